@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+
+namespace polhode {
+
+/// Where in the user's input a fault stands. `line` counts from 1; 0 means that no line applies.
+struct SourceLocation {
+  std::string file;
+  std::size_t line = 0;
+};
+
+/// The user's input breaks a rule (the program's exit status 2). The message states what was found and what is
+/// allowed; what() puts `file:line: ` before it where they are known.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+  InputError(const SourceLocation& where, const std::string& message)
+      : std::runtime_error(where.file + (where.line != 0 ? ":" + std::to_string(where.line) : "") + ": " + message) {}
+};
+
+/// A file cannot be read or written (the program's exit status 3).
+class FileError : public std::runtime_error {
+ public:
+  explicit FileError(const std::string& message) : std::runtime_error(message) {}
+};
+
+}  // namespace polhode

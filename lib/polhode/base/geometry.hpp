@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cmath>
+
+namespace polhode {
+
+using Vector3 = Eigen::Vector3d;
+using Matrix3 = Eigen::Matrix3d;
+
+/// A rotation as a unit quaternion with the Hamilton product. `q_to_from` maps components: v_to = q v_from q*. Eigen
+/// stores x, y, z, w and constructs w, x, y, z; every raw array of ours is scalar first and passes through the two
+/// functions below.
+using Quaternion = Eigen::Quaterniond;
+
+/// (q0, q1, q2, q3), scalar first.
+inline Eigen::Vector4d scalar_first(const Quaternion& q) { return {q.w(), q.x(), q.y(), q.z()}; }
+
+/// The quaternion of (q0, q1, q2, q3), scalar first, as given (not normalised).
+inline Quaternion from_scalar_first(const Eigen::Vector4d& q) { return {q[0], q[1], q[2], q[3]}; }
+
+/// Angle of the rotation between two attitudes, 0 to pi, in radians; the signs of a and b are irrelevant and small
+/// angles keep their digits. NaN if an input is NaN.
+inline double rotation_angle_rad(const Quaternion& a, const Quaternion& b) {
+  const Quaternion difference = a.conjugate() * b;
+  return 2.0 * std::atan2(difference.vec().norm(), std::abs(difference.w()));
+}
+
+}  // namespace polhode
