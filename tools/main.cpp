@@ -1,25 +1,38 @@
 // The program `polhode`: one subcommand per file, no mathematics here.
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 
 #include "polhode/base/error.hpp"
 #include "subcommands.hpp"
+
+namespace {
+
+int fail(int status, const std::exception& error) {
+  std::fprintf(stderr, "polhode: %s\n", error.what());
+  return status;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Attitude of tumbling bodies: exact free motion, ephemerides, checks"};
   app.name("polhode");
   app.require_subcommand(1);
   polhode::tools::add_eval(app);
+  polhode::tools::add_methods(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  } catch (const polhode::tools::CheckFailed& error) {
+    return fail(1, error);
   } catch (const polhode::InputError& error) {
-    std::fprintf(stderr, "polhode: %s\n", error.what());
-    return 2;
+    return fail(2, error);
   } catch (const polhode::FileError& error) {
-    std::fprintf(stderr, "polhode: %s\n", error.what());
-    return 3;
+    return fail(3, error);
+  } catch (const std::exception& error) {
+    return fail(3, error);
   }
   return 0;
 }

@@ -1,10 +1,19 @@
 #pragma once
 
 #include <CLI/App.hpp>
+#include <stdexcept>
 
 namespace polhode::tools {
 
-// Each adds its subcommand to the program; the work is done in the callback, which throws InputError or FileError.
+/// The work was done, but a check or a row of the answer failed (exit status 1).
+class CheckFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+// Each adds its subcommand to the program; the work is done in the callback, which throws InputError (exit status 2),
+// FileError (3) or CheckFailed (1).
 void add_eval(CLI::App& app);
+void add_methods(CLI::App& app);
 
 }  // namespace polhode::tools

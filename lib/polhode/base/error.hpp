@@ -10,6 +10,13 @@ namespace polhode {
 struct SourceLocation {
   std::string file;
   std::size_t line = 0;
+
+  /// `file:line`, or `file` alone.
+  std::string text() const {
+    std::string result = file;
+    if (line != 0) result.append(1, ':').append(std::to_string(line));
+    return result;
+  }
 };
 
 /// The user's input breaks a rule (the program's exit status 2). The message states what was found and what is
@@ -18,7 +25,7 @@ class InputError : public std::runtime_error {
  public:
   explicit InputError(const std::string& message) : std::runtime_error(message) {}
   InputError(const SourceLocation& where, const std::string& message)
-      : std::runtime_error(where.file + (where.line != 0 ? ":" + std::to_string(where.line) : "") + ": " + message) {}
+      : std::runtime_error(where.text() + ": " + message) {}
 };
 
 /// A file cannot be read or written (the program's exit status 3).

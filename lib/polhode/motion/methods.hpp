@@ -17,6 +17,8 @@ struct Method {
   std::string_view fails;      ///< where, or "nowhere known"
   std::string_view source;     ///< paper
   std::unique_ptr<FreeMotion> (*make)(const FreeBody&);
+  /// The same for one short step inside a splitting method, in plain double; null where there is no cheaper form.
+  std::unique_ptr<FreeMotion> (*make_short)(const FreeBody&) = nullptr;
 };
 
 /// All methods, the recommended first.

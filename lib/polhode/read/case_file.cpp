@@ -1,0 +1,127 @@
+#include "polhode/read/case_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <system_error>
+
+#include "polhode/base/error.hpp"
+#include "polhode/read/text_file.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::string_view kBlank = " \t\r\f\v";
+constexpr std::string_view kLayout = "`I I1 I2 I3`, `q q0 q1 q2 q3`, `m m1 m2 m3`, `t T`";
+
+std::vector<std::string_view> split(std::string_view line) {
+  std::vector<std::string_view> words;
+  line = line.substr(0, line.find('#'));
+  while (true) {
+    const std::size_t begin = line.find_first_not_of(kBlank);
+    if (begin == std::string_view::npos) return words;
+    line.remove_prefix(begin);
+    const std::string_view word = line.substr(0, line.find_first_of(kBlank));
+    words.push_back(word);
+    line.remove_prefix(word.size());
+  }
+}
+
+/// A finite number, decimal or C99 hexadecimal, the whole word.
+double number(std::string_view word, const SourceLocation& where) {
+  std::string_view digits = word;
+  const bool negative = digits.starts_with('-');
+  if (negative || digits.starts_with('+')) digits.remove_prefix(1);
+  const bool hexadecimal = digits.starts_with("0x") || digits.starts_with("0X");
+  if (hexadecimal) digits.remove_prefix(2);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value,
+                                            hexadecimal ? std::chars_format::hex : std::chars_format::general);
+  const bool whole = error != std::errc::invalid_argument && end == digits.data() + digits.size();
+  if (!whole || digits.starts_with('-')) {
+    throw InputError(where, fmt::format("found '{:.40}', a number is wanted (decimal or hexadecimal)", word));
+  }
+  if (error == std::errc::result_out_of_range || !std::isfinite(value)) {
+    throw InputError(where, fmt::format("found '{:.40}', a finite number in the range of a double is wanted", word));
+  }
+  return negative ? -value : value;
+}
+
+/// The numbers after the key of a line, as many as the key wants.
+template <std::size_t count>
+std::array<double, count> numbers(const std::vector<std::string_view>& words, const SourceLocation& where) {
+  if (words.size() != count + 1) {
+    throw InputError(where, fmt::format("found {} value(s) after '{}', {} wanted", words.size() - 1, words[0], count));
+  }
+  std::array<double, count> values{};
+  for (std::size_t i = 0; i < count; ++i) values[i] = number(words[i + 1], where);
+  return values;
+}
+
+template <class Value>
+void set_once(std::optional<Value>& slot, const Value& value, std::string_view key, const SourceLocation& where) {
+  if (slot.has_value()) throw InputError(where, fmt::format("found a second '{}' line, one is allowed", key));
+  slot = value;
+}
+
+Vector3 principal_moments(const std::array<double, 3>& I, const SourceLocation& where) {
+  if (!(0.0 < I[0] && I[0] <= I[1] && I[1] <= I[2])) {
+    throw InputError(
+        where, fmt::format("found I = {} {} {}, positive moments in ascending order are wanted", I[0], I[1], I[2]));
+  }
+  return {I[0], I[1], I[2]};
+}
+
+Quaternion attitude(const std::array<double, 4>& q, const SourceLocation& where) {
+  if (q == std::array<double, 4>{}) throw InputError(where, "found q = 0 0 0 0, any other quaternion is allowed");
+  return from_scalar_first({q[0], q[1], q[2], q[3]});
+}
+
+}  // namespace
+
+CaseFile read_case_file(const std::string& path) {
+  const std::string text = read_text_file(path);
+  std::optional<Vector3> moments, momentum;
+  std::optional<Quaternion> q;
+  CaseFile result;
+
+  SourceLocation where{path, 0};
+  for (std::string_view rest = text; !rest.empty();) {
+    ++where.line;
+    const std::size_t end = rest.find('\n');
+    const std::vector<std::string_view> words = split(rest.substr(0, end));
+    rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
+    if (words.empty()) continue;
+    const std::string_view key = words[0];
+    if (key == "I") {
+      set_once(moments, principal_moments(numbers<3>(words, where), where), key, where);
+    } else if (key == "q") {
+      set_once(q, attitude(numbers<4>(words, where), where), key, where);
+    } else if (key == "m") {
+      const auto m = numbers<3>(words, where);
+      set_once(momentum, Vector3(m[0], m[1], m[2]), key, where);
+    } else if (key == "t") {
+      result.times_s.push_back(numbers<1>(words, where)[0]);
+    } else if (key == "T") {
+      throw InputError(where, "found a torque ('T' line); torques are not supported yet, only free motion is");
+    } else {
+      throw InputError(where, fmt::format("found unknown key '{:.40}', allowed lines are {}", key, kLayout));
+    }
+  }
+
+  const auto require = [&](bool present, std::string_view key) {
+    if (!present) throw InputError({path, 0}, fmt::format("no '{}' line found, wanted are {}", key, kLayout));
+  };
+  require(moments.has_value(), "I");
+  require(q.has_value(), "q");
+  require(momentum.has_value(), "m");
+  require(!result.times_s.empty(), "t");
+  result.body = {*moments, *q, *momentum};
+  return result;
+}
+
+}  // namespace polhode

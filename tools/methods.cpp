@@ -1,0 +1,25 @@
+#include "polhode/motion/methods.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "output.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+
+void add_methods(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("methods", "Every method: its order, what it conserves, where it fails");
+  command->callback([] {
+    fmt::memory_buffer text;
+    for (const Method& m : methods()) {
+      fmt::format_to(std::back_inserter(text),
+                     "{}\n  kind       {}\n  order      {}\n  conserves  {}\n  fails      {}\n  source     {}\n",
+                     m.name, m.kind, m.order, m.conserves, m.fails, m.source);
+    }
+    write_standard_output({text.data(), text.size()});
+  });
+}
+
+}  // namespace polhode::tools
