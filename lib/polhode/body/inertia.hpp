@@ -1,0 +1,43 @@
+#pragma once
+
+#include "polhode/base/geometry.hpp"
+
+namespace polhode {
+
+/// Inertia of a rigid body about its centre of mass.
+struct Inertia {
+  /// I1 <= I2 <= I3, all positive, I1 + I2 >= I3 within triangle_tolerance; kg m^2 if `absolute`, else any one unit.
+  Vector3 principal_moments;
+  /// The right-handed principal axes, as columns, in the axes that the user's file names: v_named = R v_principal.
+  /// Where the axes are only permuted all entries are exactly 0 or +-1 (a quaternion would round them).
+  Matrix3 named_from_principal = Matrix3::Identity();
+  /// False where only ratios are known: free motion needs no more, torques do.
+  bool absolute = false;
+
+  /// The same rotation: v_named = q v_principal q*.
+  Quaternion q_named_from_principal() const { return Quaternion(named_from_principal).normalized(); }
+};
+
+/// A flat body has I1 + I2 = I3; less than that by more than this part of I3 is impossible. Room for the rounding of
+/// computed tensors, not for moments printed with few digits.
+inline constexpr double triangle_tolerance = 1e-9;
+
+/// Sign of products of inertia as published.
+enum class ProductsOfInertia {
+  tensor_elements,     ///< Ixy as it stands in the tensor: minus the integral of x y dm
+  positive_integrals,  ///< Ixy = integral of x y dm: the tensor holds -Ixy
+};
+
+/// The symmetric tensor of moments (Ixx, Iyy, Izz) and products (Ixy, Ixz, Iyz).
+Matrix3 inertia_tensor(const Vector3& moments, const Vector3& products, ProductsOfInertia sign);
+
+/// Principal moments and axes of a symmetric tensor (the upper triangle counts), by Jacobi's method: R diag(I) R^T
+/// gives the tensor back within some 4 eps of its size for near-degenerate tensors too, and a diagonal tensor keeps its
+/// moments bit for bit. Of the four right-handed choices of signs the one nearest the named axes is taken. Throws
+/// InputError for an element that is not finite, a moment that is not positive, or a broken triangle inequality.
+Inertia inertia_from_tensor(const Matrix3& tensor, bool absolute);
+
+/// Moments about named axes that are principal, in any order: inertia_from_tensor of the diagonal tensor.
+Inertia inertia_from_moments(const Vector3& moments_named, bool absolute);
+
+}  // namespace polhode
