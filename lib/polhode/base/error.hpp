@@ -34,4 +34,10 @@ class FileError : public std::runtime_error {
   explicit FileError(const std::string& message) : std::runtime_error(message) {}
 };
 
+/// A computation gave no usable answer for input that breaks no rule (the program's exit status 1).
+class ComputationError : public std::runtime_error {
+ public:
+  explicit ComputationError(const std::string& message) : std::runtime_error(message) {}
+};
+
 }  // namespace polhode

@@ -1,0 +1,248 @@
+#include "polhode/write/fits.hpp"
+
+#include <fitsio.h>
+#include <fmt/format.h>
+
+#include <bit>
+#include <cerrno>
+#include <cstdint>
+#include <cstring>
+#include <string_view>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/write/document.hpp"
+#include "polhode/write/output_file.hpp"
+
+namespace polhode {
+namespace {
+
+/// An open FITS file under a temporary name. Every call's status passes through check().
+class Fits {
+ public:
+  explicit Fits(const OutputFile& file) : path_(file.path()) {
+    const std::string& name = file.temporary_path();
+    errno = 0;
+    int status = 0;
+    if (!name.ends_with(".gz")) {
+      fits_create_diskfile(&file_, name.c_str(), &status);
+    } else if (name.find_first_of("[](){}!@+") == std::string::npos) {
+      fits_create_file(&file_, name.c_str(), &status);
+    } else {
+      throw FileError(
+          fmt::format("cannot write {}: cfitsio compresses no file whose path has one of []()!@+{{}}", path_));
+    }
+    check(status);
+  }
+  Fits(const Fits&) = delete;
+  Fits& operator=(const Fits&) = delete;
+  ~Fits() {
+    if (file_ == nullptr) return;
+    int status = 0;
+    fits_close_file(file_, &status);
+    fits_clear_errmsg();
+  }
+
+  operator fitsfile*() { return file_; }
+
+  /// Throws FileError if `status` is a cfitsio error, with the system's reason where there is one.
+  void check(int status) const {
+    if (status == 0) return;
+    const int system_error = errno;
+    char text[FLEN_STATUS] = {};
+    fits_get_errstatus(status, text);
+    char message[FLEN_ERRMSG] = {};
+    fits_read_errmsg(message);
+    fits_clear_errmsg();
+    const std::string reason = system_error != 0 ? fmt::format("{} ({})", std::strerror(system_error), text)
+                               : message[0] != 0 ? fmt::format("{}: {}", text, message)
+                                                 : std::string(text);
+    throw FileError(fmt::format("cannot write {}: {}", path_, reason));
+  }
+
+  void close() {
+    int status = 0;
+    errno = 0;
+    fits_close_file(file_, &status);
+    file_ = nullptr;
+    check(status);
+  }
+
+  void key(const char* name, std::string value, const char* comment) {
+    int status = 0;
+    fits_write_key_longstr(file_, name, value.data(), comment, &status);
+    check(status);
+  }
+  void key(const char* name, double value, const char* comment) {
+    int status = 0;
+    constexpr int shortest_of_17_digits = -17;
+    fits_write_key_dbl(file_, name, value, shortest_of_17_digits, comment, &status);
+    check(status);
+  }
+  void flag(const char* name, bool value, const char* comment) {
+    int status = 0;
+    fits_write_key_log(file_, name, value ? 1 : 0, comment, &status);
+    check(status);
+  }
+  void comment(const std::string& text) {
+    int status = 0;
+    fits_write_comment(file_, text.c_str(), &status);
+    check(status);
+  }
+
+ private:
+  std::string path_;
+  fitsfile* file_ = nullptr;
+};
+
+/// The bytes of a table row in file order, and the sum of its 32-bit words.
+class Packer {
+ public:
+  explicit Packer(EncodedBlock& block) : block_(block) {}
+  void put(double value) {
+    const auto bits = std::bit_cast<std::uint64_t>(value);
+    sum_ += (bits >> 32) + (bits & 0xffffffffU);
+    static_assert(std::endian::native == std::endian::little, "FITS is big-endian: bytes are swapped");
+    const std::uint64_t swapped = __builtin_bswap64(bits);
+    std::memcpy(at_, &swapped, sizeof swapped);
+    at_ += sizeof swapped;
+  }
+  void begin(std::size_t bytes) {
+    block_.bytes.resize(bytes);
+    at_ = block_.bytes.data();
+  }
+  void end() { block_.word_sum = sum_; }
+
+ private:
+  EncodedBlock& block_;
+  char* at_ = nullptr;
+  std::uint64_t sum_ = 0;
+};
+
+/// Ones' complement sum of 32-bit words: the carry comes back in at the low end (FITS 4.0 appendix J).
+std::uint64_t fold(std::uint64_t sum) {
+  while ((sum >> 32) != 0) sum = (sum & 0xffffffffU) + (sum >> 32);
+  return sum;
+}
+
+void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resolution) {
+  const EphemerisDescription& description = ephemeris.description();
+  const TimeGrid& times = ephemeris.times();
+  const Seconds first = times.time(0, resolution);
+  const Seconds last = times.time(times.size() - 1, resolution);
+  constexpr int decimals = 9;
+  fits.key("OBJECT", description.object, "body");
+  fits.key("CREATOR", creator(), "program that wrote this file");
+  fits.key("DATE", creation_date(), "when written, UTC");
+  fits.key("TIMESYS", std::string(name(times.scale())), "time scale of TIME and of DATE-BEG, DATE-END");
+  fits.key("MJDREF", times.reference_mjd(), "[d] TIME counts from this MJD, in TIMESYS");
+  fits.key("TIMEUNIT", "s", "unit of TIME");
+  fits.key("TREFPOS", times.scale() == TimeScale::tdb ? "BARYCENTER" : "GEOCENTER", "where these clocks stand");
+  fits.key("DATE-BEG", format_date(times.instant(first), times.scale(), decimals), "first row");
+  fits.key("DATE-END", format_date(times.instant(last), times.scale(), decimals), "last row");
+  fits.key("TSTART", first.high, "[s] TIME of the first row");
+  fits.key("TSTOP", last.high, "[s] TIME of the last row");
+  fits.key("QORDER", "XYZS", "order within QPARAM: vector part, scalar last");
+  fits.key("QDIR", "A2B", "QPARAM takes components from frame A to frame B");
+  fits.key("REFFRAMA", std::string(name(ephemeris.frame())), "frame A, inertial");
+  fits.key("REFFRAMB", "BODY", "frame B, the axes that the body's file names");
+  fits.key("METHOD", description.method, "how the motion was computed");
+  fits.key("MAXERR", description.promised_error_rad, "[rad] promised error of the rows");
+  if (description.tolerance_rad) {
+    fits.key("INTERPOL", description.interpolation, "between rows");
+    fits.key("INTERERR", *description.tolerance_rad, "[rad] promised error of INTERPOL everywhere");
+  }
+  const Inertia& inertia = ephemeris.inertia();
+  for (int k = 0; k < 3; ++k) {
+    fits.key(fmt::format("INERTIA{}", k + 1).c_str(), inertia.principal_moments[k],
+             inertia.absolute ? "[kg m2] principal moment of inertia" : "principal moment of inertia, one any unit");
+  }
+  const Eigen::Vector4d q = scalar_first(inertia.q_named_from_principal());
+  for (int k = 0; k < 4; ++k) {
+    fits.key(fmt::format("QPRINC{}", k).c_str(), q[k], "scalar-first q: v_body = q v_principal q*");
+  }
+  if (!description.source.empty()) fits.comment("Source of the body: " + description.source);
+  fits.comment(
+      "QPARAM is passive: a body turned by +90 deg about inertial z has QPARAM (0, 0, 0.7071, 0.7071) and its x axis "
+      "along inertial y. Its sign is continuous from row to row. OMEGA has components in frame B.");
+}
+
+}  // namespace
+
+void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
+                const Progress& progress) {
+  OutputFile output(path);
+  Fits fits(output);
+  int status = 0;
+  fits_create_img(fits, BYTE_IMG, 0, nullptr, &status);
+  fits_write_chksum(fits, &status);
+
+  std::vector<const char*> names{"TIME", "QPARAM", "OMEGA"};
+  std::vector<const char*> forms{"1D", "4D", "3D"};
+  std::vector<const char*> units{"s", "", "rad/s"};
+  std::size_t doubles_per_row = 8;
+  if (options.momentum) {
+    names.push_back("L");
+    forms.push_back("3D");
+    units.push_back(ephemeris.inertia().absolute ? "N m s" : "");
+    doubles_per_row += 3;
+  }
+  if (options.time_low) {
+    names.push_back("TIME_LO");
+    forms.push_back("1D");
+    units.push_back("s");
+    doubles_per_row += 1;
+  }
+  const auto mutable_pointers = [](const std::vector<const char*>& texts) {  // cfitsio's signature; it changes nothing
+    std::vector<char*> pointers;
+    for (const char* text : texts) pointers.push_back(const_cast<char*>(text));
+    return pointers;
+  };
+  const auto rows = static_cast<LONGLONG>(ephemeris.times().size());
+  fits_create_tbl(fits, BINARY_TBL, rows, static_cast<int>(names.size()), mutable_pointers(names).data(),
+                  mutable_pointers(forms).data(), mutable_pointers(units).data(), "ATTITUDE", &status);
+  fits.check(status);
+  const TimeResolution resolution{options.time_low ? TimeResolution::Kind::two_doubles
+                                                   : TimeResolution::Kind::one_double};
+  write_keywords(fits, ephemeris, resolution);
+
+  const std::size_t row_bytes = doubles_per_row * sizeof(double);
+  const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
+    Packer packer(out);
+    packer.begin(block.rows * row_bytes);
+    for (std::size_t i = 0; i < block.rows; ++i) {
+      const double* q = &block.q_frame_from_named[4 * i];
+      packer.put(block.time[i].high);
+      for (const int k : {1, 2, 3, 0}) packer.put(q[k]);
+      for (std::size_t k = 0; k < 3; ++k) packer.put(block.omega_named_rad_s[3 * i + k]);
+      if (options.momentum) {
+        for (std::size_t k = 0; k < 3; ++k) packer.put(block.momentum_named[3 * i + k]);
+      }
+      if (options.time_low) packer.put(block.time[i].low);
+    }
+    packer.end();
+  };
+  LONGLONG written = 0;
+  std::uint64_t data_sum = 0;
+  const auto consume = [&](const EncodedBlock& block) {
+    errno = 0;
+    auto* bytes = reinterpret_cast<unsigned char*>(const_cast<char*>(block.bytes.data()));
+    fits_write_tblbytes(fits, written + 1, 1, static_cast<LONGLONG>(block.bytes.size()), bytes, &status);
+    fits.check(status);
+    data_sum = fold(data_sum + fold(block.word_sum));
+    written += static_cast<LONGLONG>(block.rows);
+    if (progress) progress(static_cast<std::size_t>(written));
+  };
+  stream_rows(ephemeris, resolution, encode, consume);
+
+  fits.key("CHECKSUM", "0000000000000000", "HDU checksum");
+  fits.key("DATASUM", fmt::format("{}", data_sum), "data unit checksum");
+  errno = 0;
+  fits_flush_file(fits, &status);  // completes the header, which fits_update_chksum sums as it stands
+  fits_update_chksum(fits, &status);
+  fits.check(status);
+  fits.close();
+  output.commit();
+}
+
+}  // namespace polhode

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "polhode/ephemeris/ephemeris.hpp"
+
+namespace polhode {
+
+/// Called on the writing thread after each block with the count of rows written so far. It may throw to stop: the
+/// output file is then removed.
+using Progress = std::function<void(std::size_t rows_written)>;
+
+/// A block of rows as the bytes of a format, and the sum of its big-endian 32-bit words for formats that want one.
+struct EncodedBlock {
+  std::string bytes;
+  std::uint64_t word_sum = 0;
+  std::size_t rows = 0;
+};
+
+/// Computes and encodes the rows of an ephemeris block by block on all cores, and hands them to `consume` in order on
+/// the calling thread. Memory does not depend on the count of rows. An exception on any thread stops all and is
+/// rethrown.
+void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
+                 const std::function<void(std::size_t first_row, const AttitudeBlock&, EncodedBlock&)>& encode,
+                 const std::function<void(const EncodedBlock&)>& consume);
+
+}  // namespace polhode

@@ -1,0 +1,124 @@
+#include "polhode/write/text_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string_view>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/write/date_text.hpp"
+#include "polhode/write/document.hpp"
+#include "polhode/write/number_text.hpp"
+#include "polhode/write/output_file.hpp"
+
+namespace polhode {
+namespace {
+
+struct Column {
+  std::string name;
+  std::string unit;
+};
+
+/// A text as YAML's double-quoted scalar.
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (static_cast<unsigned char>(c) < 0x20) {
+      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
+    } else {
+      if (c == '"' || c == '\\') out += '\\';
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+/// The YAML header of ECSV 1.0, with the date column as an astropy Time.
+std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& columns, const std::string& scale,
+                        int decimals) {
+  const EphemerisDescription& description = ephemeris.description();
+  std::string out = "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n";
+  for (const Column& column : columns) {
+    out +=
+        fmt::format("# - {{name: {}, datatype: {}{}}}\n", column.name, &column == columns.data() ? "string" : "float64",
+                    column.unit.empty() ? "" : ", unit: " + column.unit);
+  }
+  out += "# meta: !!omap\n";
+  const auto meta = [&](std::string_view key, const std::string& value) {
+    if (!value.empty()) out += fmt::format("# - {{{}: {}}}\n", key, value);
+  };
+  meta("object", quoted(description.object));
+  meta("creator", quoted(creator()));
+  meta("created_utc", quoted(creation_date()));
+  meta("frame_a", quoted(name(ephemeris.frame())));
+  meta("frame_b", quoted("the axes that the body's file names"));
+  meta("quaternion", quoted("scalar last, takes components from frame a to frame b, passive"));
+  meta("method", quoted(description.method));
+  meta("promised_error_rad", fmt::format("{}", description.promised_error_rad));
+  if (description.tolerance_rad) {
+    meta("interpolation", quoted(description.interpolation));
+    meta("interpolation_error_rad", fmt::format("{}", *description.tolerance_rad));
+  }
+  meta("source", quoted(description.source));
+  const std::string& time = columns.front().name;
+  out += fmt::format(
+      "# - __serialized_columns__:\n#     {0}:\n#       __class__: astropy.time.core.Time\n#       format: isot\n"
+      "#       precision: {1}\n#       scale: {2}\n#       value: !astropy.table.SerializedColumn {{name: {0}}}\n"
+      "# schema: astropy-2.0\n",
+      time, std::min(decimals, 9), scale);
+  return out;
+}
+
+}  // namespace
+
+void write_text_table(const std::string& path, const Ephemeris& ephemeris, const TextTableOptions& options,
+                      const Progress& progress) {
+  const TimeGrid& times = ephemeris.times();
+  std::string scale(name(times.scale()));
+  std::transform(scale.begin(), scale.end(), scale.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (options.ecsv && (times.scale() == TimeScale::et || times.scale() == TimeScale::gps)) {
+    throw InputError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(times.scale())));
+  }
+  std::vector<Column> columns{{"date_" + scale, ""}};
+  for (const char* component : {"x", "y", "z", "scalar"}) columns.push_back({fmt::format("q_{}", component), ""});
+  for (const char* axis : {"x", "y", "z"}) columns.push_back({fmt::format("omega_body_{}_rad_s", axis), "rad / s"});
+  if (options.momentum) {
+    const bool absolute = ephemeris.inertia().absolute;
+    for (const char* axis : {"x", "y", "z"}) {
+      columns.push_back({fmt::format("momentum_body_{}{}", axis, absolute ? "_N_m_s" : ""), absolute ? "N m s" : ""});
+    }
+  }
+  const int decimals = times.decimals();
+  std::string header = options.ecsv ? ecsv_header(ephemeris, columns, scale, decimals) : "";
+  for (const Column& column : columns) header += (&column == columns.data() ? "" : ",") + column.name;
+  OutputBytes bytes(path);
+  bytes.write(header + "\n");
+
+  const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
+    DateText dates(times, decimals);
+    const auto put = [&out](double value) {
+      out.bytes.push_back(',');
+      append_number(out.bytes, value);
+    };
+    for (std::size_t row = 0; row < block.rows; ++row) {
+      dates.append(out.bytes, block.time[row]);
+      for (const std::size_t k : {1, 2, 3, 0}) put(block.q_frame_from_named[4 * row + k]);
+      for (std::size_t k = 0; k < 3; ++k) put(block.omega_named_rad_s[3 * row + k]);
+      if (options.momentum) {
+        for (std::size_t k = 0; k < 3; ++k) put(block.momentum_named[3 * row + k]);
+      }
+      out.bytes.push_back('\n');
+    }
+  };
+  std::size_t rows = 0;
+  stream_rows(ephemeris, {TimeResolution::Kind::decimals, decimals}, encode, [&](const EncodedBlock& block) {
+    bytes.write(block.bytes);
+    rows += block.rows;
+    if (progress) progress(rows);
+  });
+  bytes.commit();
+}
+
+}  // namespace polhode

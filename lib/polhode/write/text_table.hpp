@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+
+#include "polhode/ephemeris/ephemeris.hpp"
+#include "polhode/write/stream.hpp"
+
+namespace polhode {
+
+struct TextTableOptions {
+  bool ecsv = false;      ///< with the header of units, scale and frames that astropy.table reads; else plain CSV
+  bool momentum = false;  ///< add the angular momentum in body axes
+};
+
+/// An attitude ephemeris as a table of comma-separated values, one line of names, one line per row: the date in the
+/// scale that the name says; q_x, q_y, q_z, q_scalar, the unit quaternion that takes components from the inertial frame
+/// to the body, passive (as in AEM and FITS: a body turned by +90 degrees about inertial z has 0, 0, 0.7071, 0.7071);
+/// the angular velocity in body axes. Numbers and times as in write_aem. Throws as write_aem.
+void write_text_table(const std::string& path, const Ephemeris& ephemeris, const TextTableOptions& options = {},
+                      const Progress& progress = {});
+
+}  // namespace polhode
