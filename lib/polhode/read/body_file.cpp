@@ -1,0 +1,195 @@
+#include "polhode/read/body_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "polhode/base/error.hpp"
+#include "polhode/body/euler.hpp"
+#include "polhode/read/toml_table.hpp"
+#include "polhode/read/units.hpp"
+
+namespace polhode {
+namespace {
+
+int axis_index(const TomlTable& table, std::string_view key) {
+  const std::string axis = table.text(key);
+  const auto at = std::string_view("xyz").find(axis);
+  if (axis.size() != 1 || at == std::string_view::npos) {
+    throw table.error(key, fmt::format("'{}' is not an axis; allowed: x, y, z", axis));
+  }
+  return static_cast<int>(at);
+}
+
+// What the file says about its axes must be what its moments say.
+void check_axis_names(const TomlTable& table, const Inertia& inertia) {
+  constexpr std::array<std::string_view, 3> keys{"long_axis", "intermediate_axis", "short_axis"};
+  const Vector3 moments_named =
+      (inertia.named_from_principal * inertia.principal_moments.asDiagonal() * inertia.named_from_principal.transpose())
+          .diagonal();
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    if (!table.has(keys[k])) continue;
+    const int axis = axis_index(table, keys[k]);
+    const double wanted = inertia.principal_moments[static_cast<int>(k)];
+    if (moments_named[axis] == wanted) continue;
+    throw table.error(keys[k], fmt::format("the moment about {} is {:.9g}, but the {} of the three is {:.9g} (the long "
+                                           "axis has the smallest moment, the short axis the largest)",
+                                           "xyz"[axis], moments_named[axis],
+                                           k == 0   ? "smallest"
+                                           : k == 1 ? "middle one"
+                                                    : "largest",
+                                           wanted));
+  }
+}
+
+Inertia read_inertia(const TomlTable& table) {
+  table.allow_only(
+      {"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis", "short_axis"});
+  const std::string_view form = table.one_of({"moments", "tensor"});
+  const std::string unit_name = table.text("unit");
+  const InertiaUnit unit = table.located("unit", [&] { return inertia_unit(unit_name); });
+  const bool axes_named = table.has("long_axis") || table.has("intermediate_axis") || table.has("short_axis");
+  Matrix3 tensor;
+  bool diagonal = false;
+  if (form == "tensor") {
+    for (const std::string_view key : {"products", "products_are"}) {
+      if (table.has(key)) throw table.error(key, "goes with moments; a tensor has its products in it");
+    }
+    tensor = table.matrix3("tensor");
+    if ((tensor - tensor.transpose()).cwiseAbs().maxCoeff() > 1e-12 * tensor.cwiseAbs().maxCoeff()) {
+      throw table.error("tensor", "found a matrix that is not symmetric; a tensor of inertia is");
+    }
+  } else {
+    Vector3 products = Vector3::Zero();
+    ProductsOfInertia sign = ProductsOfInertia::tensor_elements;
+    diagonal = !table.has("products");
+    if (!diagonal) {
+      products = table.vector3("products");
+      const std::string are = table.text("products_are");
+      if (are == "positive integrals") {
+        sign = ProductsOfInertia::positive_integrals;
+      } else if (are != "tensor elements") {
+        throw table.error("products_are",
+                          fmt::format("'{}' is not a sign convention; allowed: 'tensor elements' (Ixy = -integral of x "
+                                      "y dm) or 'positive integrals' (Ixy = +integral of x y dm)",
+                                      are));
+      }
+    } else if (table.has("products_are")) {
+      throw table.error("products_are", "goes with products, which are not given");
+    }
+    tensor = inertia_tensor(table.vector3("moments"), products, sign);
+  }
+  if (axes_named && !diagonal) {
+    throw table.error(table.one_of({"long_axis", "intermediate_axis", "short_axis"}),
+                      "only moments without products belong to axes that can be named so");
+  }
+  const Inertia inertia =
+      table.located(form, [&] { return inertia_from_tensor(Matrix3(unit.factor * tensor), unit.absolute); });
+  check_axis_names(table, inertia);
+  return inertia;
+}
+
+constexpr std::array<std::string_view, 4> quaternion_keys{
+    "q_frame_from_body_scalar_first", "q_frame_from_body_scalar_last", "q_body_from_frame_scalar_first",
+    "q_body_from_frame_scalar_last"};
+
+Quaternion read_attitude(const TomlTable& table, Body& body) {
+  table.allow_only({"euler_angles", "sequence", "unit", quaternion_keys[0], quaternion_keys[1], quaternion_keys[2],
+                    quaternion_keys[3]});
+  const std::string_view form =
+      table.one_of({"euler_angles", quaternion_keys[0], quaternion_keys[1], quaternion_keys[2], quaternion_keys[3]});
+  if (form == "euler_angles") {
+    const std::string name = table.text("sequence");
+    const std::string unit = table.text("unit");
+    const EulerSequence sequence = table.located("sequence", [&] { return EulerSequence(name); });
+    const double unit_rad = table.located("unit", [&] { return angle_unit_rad(unit); });
+    return q_frame_from_body(sequence, unit_rad * table.vector3(form));
+  }
+  for (const std::string_view key : {"sequence", "unit"}) {
+    if (table.has(key)) throw table.error(key, "goes with euler_angles, not with a quaternion");
+  }
+  const std::vector<double> q = table.numbers(form, 4);
+  const Quaternion given =
+      form.ends_with("first") ? Quaternion(q[0], q[1], q[2], q[3]) : Quaternion(q[3], q[0], q[1], q[2]);
+  const double length = given.coeffs().stableNorm();
+  if (!(length > 0.0)) throw table.error(form, "found the zero quaternion, which is no attitude");
+  if (std::abs(length - 1.0) > 1e-6) {
+    body.warnings.push_back(fmt::format("the quaternion has length {:.9g}; it was scaled to 1", length));
+  }
+  const Quaternion unit(given.coeffs().stableNormalized().eval());
+  return form.starts_with("q_frame") ? unit : unit.conjugate();
+}
+
+// "axes" of a rate: the components as they are, or turned from the inertial frame into the body.
+Vector3 read_components(const TomlTable& table, const SpinState& state) {
+  const std::string axes = table.text("axes");
+  const Vector3 components = table.vector3("components");
+  if (axes == "body") return components;
+  if (axes != "frame") {
+    throw table.error("axes", fmt::format("found '{}'; allowed: 'body' (x, y, z of the inertia) or 'frame' (the "
+                                          "inertial frame of the state)",
+                                          axes));
+  }
+  if (!state.q_frame_from_named) throw table.error("axes", "components in the frame need an attitude, none is given");
+  return state.q_frame_from_named->conjugate() * components;
+}
+
+Vector3 read_angular_velocity(const TomlTable& table, const SpinState& state) {
+  table.allow_only({"components", "axes", "unit"});
+  const std::string unit = table.text("unit");
+  const double unit_rad_s = table.located("unit", [&] { return angular_velocity_unit_rad_s(unit); });
+  return unit_rad_s * read_components(table, state);
+}
+
+Vector3 read_angular_momentum(const TomlTable& table, const SpinState& state, const std::optional<Inertia>& inertia) {
+  table.allow_only({"components", "axes", "unit"});
+  const std::string unit_name = table.text("unit");
+  const InertiaUnit unit = table.located("unit", [&] { return angular_momentum_unit(unit_name); });
+  if (!inertia) throw table.error("components", "an angular momentum needs an [inertia] table");
+  if (unit.absolute != inertia->absolute) {
+    throw table.error("unit", fmt::format("found '{}', but the inertia is in {}; both must be absolute, or both ratios",
+                                          unit_name, inertia->absolute ? "absolute units" : "ratios"));
+  }
+  const Vector3 momentum_named = unit.factor * read_components(table, state);
+  const Vector3 momentum = inertia->named_from_principal.transpose() * momentum_named;
+  return inertia->named_from_principal * momentum.cwiseQuotient(inertia->principal_moments);
+}
+
+SpinState read_state(const TomlTable& table, Body& body) {
+  table.allow_only({"epoch", "frame", "attitude", "angular_velocity", "angular_momentum"});
+  SpinState state;
+  const std::string epoch = table.text("epoch");
+  const Date date = table.located("epoch", [&] { return parse_date_with_scale(epoch); });
+  state.epoch = date.instant;
+  state.epoch_scale = date.scale;
+  if (date.scale == TimeScale::utc) {
+    if (const auto doubt = utc_doubt(date.instant)) body.warnings.push_back("epoch: " + *doubt);
+  }
+  const std::string frame_name = table.text("frame");
+  state.frame = table.located("frame", [&] { return frame(frame_name); });
+  if (state.frame == Frame::itrf) throw table.error("frame", "ITRF turns with the Earth; an inertial frame is wanted");
+  if (table.has("attitude")) state.q_frame_from_named = read_attitude(table.table("attitude"), body);
+  if (table.has("angular_velocity") || table.has("angular_momentum")) {
+    const std::string_view rate = table.one_of({"angular_velocity", "angular_momentum"});
+    const TomlTable values = table.table(rate);
+    state.omega_named_rad_s = rate == "angular_velocity" ? read_angular_velocity(values, state)
+                                                         : read_angular_momentum(values, state, body.inertia);
+  }
+  return state;
+}
+
+}  // namespace
+
+Body parse_body_file(std::string_view text, const std::string& path) {
+  const TomlTable root = TomlTable::parse(text, path);
+  root.allow_only({"name", "source", "inertia", "state"});
+  Body body;
+  body.name = root.text("name");
+  body.source = root.optional_text("source").value_or("");
+  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"));
+  if (root.has("state")) body.state = read_state(root.table("state"), body);
+  return body;
+}
+
+}  // namespace polhode

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <initializer_list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/base/geometry.hpp"
+
+namespace polhode {
+
+/// A table of a TOML file, read strictly: every failure is an InputError with file, line, key, what was found and what
+/// is wanted. Numbers are finite. Tables share the document, which lives as long as any of them.
+class TomlTable {
+ public:
+  /// The document's root table. `path` is for messages.
+  static TomlTable parse(std::string_view text, const std::string& path);
+
+  bool has(std::string_view key) const;
+  /// Refuses any key that is not among these.
+  void allow_only(std::initializer_list<std::string_view> keys) const;
+  /// The one of these keys that is there; refuses none and two.
+  std::string_view one_of(std::initializer_list<std::string_view> keys) const;
+
+  std::string text(std::string_view key) const;
+  std::optional<std::string> optional_text(std::string_view key) const;
+  double number(std::string_view key) const;
+  std::vector<double> numbers(std::string_view key, std::size_t count) const;
+  Vector3 vector3(std::string_view key) const;
+  Matrix3 matrix3(std::string_view key) const;
+  TomlTable table(std::string_view key) const;
+  /// The elements of an array of tables; none if the key is absent.
+  std::vector<TomlTable> tables(std::string_view key) const;
+
+  /// Where a key stands, or the table if it is absent.
+  SourceLocation where(std::string_view key) const;
+  /// An error about a key's value.
+  InputError error(std::string_view key, const std::string& message) const;
+  /// Runs `work`, and gives an InputError of its own the place of this key.
+  template <class Work>
+  auto located(std::string_view key, const Work& work) const {
+    try {
+      return work();
+    } catch (const InputError& problem) {
+      throw error(key, problem.what());
+    }
+  }
+
+ private:
+  struct Node;
+  struct Element;
+  explicit TomlTable(std::shared_ptr<const Node> node) : node_(std::move(node)) {}
+  double finite_number(std::string_view key, const Element& element) const;
+
+  std::shared_ptr<const Node> node_;
+};
+
+}  // namespace polhode
