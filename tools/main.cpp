@@ -13,9 +13,7 @@ int fail(int status, const std::exception& error) {
   return status;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int run(int argc, char** argv) {
   CLI::App app{"Attitude of tumbling bodies: exact free motion, ephemerides, checks"};
   app.name("polhode");
   app.require_subcommand(1);
@@ -25,6 +23,15 @@ int main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
   } catch (const polhode::tools::CheckFailed& error) {
     return fail(1, error);
   } catch (const polhode::InputError& error) {
@@ -34,5 +41,4 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     return fail(3, error);
   }
-  return 0;
 }

@@ -325,16 +325,16 @@ void check_shells(const Welded& mesh, const std::vector<std::size_t>& shell, con
 
 }  // namespace
 
-MassProperties mass_properties(const TriangleMesh& input) {
-  const Welded mesh = weld(input);
+MassProperties mass_properties(const TriangleMesh& mesh) {
+  const Welded welded = weld(mesh);
   MassProperties out;
-  const std::vector<std::size_t> shell = check_edges(mesh, out.shells);
+  const std::vector<std::size_t> shell = check_edges(welded, out.shells);
 
   // Coordinates from the middle of the box: no cancellation when the mesh stands far from the origin. Scaled to 1 so
   // that fifth powers of a length neither overflow nor vanish.
-  Eigen::Array3d low = mesh.vertices[0];
+  Eigen::Array3d low = welded.vertices[0];
   Eigen::Array3d high = low;
-  for (const Vector3& v : mesh.vertices) {
+  for (const Vector3& v : welded.vertices) {
     low = low.min(v.array());
     high = high.max(v.array());
   }
@@ -348,10 +348,10 @@ MassProperties mass_properties(const TriangleMesh& input) {
   std::vector<Sum> shell_volume(out.shells);
   std::array<Sum, 3> first;
   std::array<Sum, 6> second;
-  for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
-    const Vector3 a = (mesh.vertices[mesh.facets[i][0]] - origin) / scale;
-    const Vector3 b = (mesh.vertices[mesh.facets[i][1]] - origin) / scale;
-    const Vector3 c = (mesh.vertices[mesh.facets[i][2]] - origin) / scale;
+  for (std::size_t i = 0; i < welded.facets.size(); ++i) {
+    const Vector3 a = (welded.vertices[welded.facets[i][0]] - origin) / scale;
+    const Vector3 b = (welded.vertices[welded.facets[i][1]] - origin) / scale;
+    const Vector3 c = (welded.vertices[welded.facets[i][2]] - origin) / scale;
     const double v6 = six_volumes(a, b, c);
     const Vector3 s = a + b + c;
     shell_volume[shell[i]].add(v6 / 6.0);
@@ -372,9 +372,9 @@ MassProperties mass_properties(const TriangleMesh& input) {
   for (std::size_t s = 0; s < volumes.size(); ++s) {
     if (std::abs(volumes[s]) < 1e-12) throw InputError("the surface is flat: it encloses no volume");
   }
-  const BoxTree tree(mesh);
-  check_crossings(mesh, tree);
-  check_shells(mesh, shell, volumes);
+  const BoxTree tree(welded);
+  check_crossings(welded, tree);
+  check_shells(welded, shell, volumes);
 
   const double volume = total.value();
   const Vector3 centre = Vector3(first[0].value(), first[1].value(), first[2].value()) / volume;
@@ -386,8 +386,8 @@ MassProperties mass_properties(const TriangleMesh& input) {
   out.volume = volume * cube;
   out.centre_of_mass = origin + scale * centre;
   out.inertia_about_centre = (cube * scale * scale) * (moments.trace() * Matrix3::Identity() - moments);
-  out.vertices = mesh.vertices.size();
-  out.facets = mesh.facets.size();
+  out.vertices = welded.vertices.size();
+  out.facets = welded.facets.size();
   return out;
 }
 

@@ -140,7 +140,7 @@ struct UtcReading {
 
 UtcReading read_utc(Instant instant) {
   const DayAndSeconds tai = split_uniform(instant.tt_since_j2000() - tt_minus_tai);
-  for (double back = 0.0; back <= 1.0; back += 1.0) {  // UTC is behind TAI by less than a day
+  for (const double back : {0.0, 1.0}) {  // UTC is behind TAI by less than a day
     const UtcDay day = utc_day(tai.mjd - back);
     const Seconds elapsed = tai.seconds + Seconds{back * day_s, 0.0} - Seconds{day.tai_minus_utc_0h_s, 0.0};
     const double drifted = elapsed.high / (1.0 + day.drift);

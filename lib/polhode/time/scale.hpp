@@ -35,7 +35,7 @@ Instant parse_date(std::string_view text, TimeScale scale);
 /// An instant and the scale it was written in.
 struct Date {
   Instant instant;
-  TimeScale scale;
+  TimeScale scale = TimeScale::tdb;
 };
 
 /// As parse_date, with the scale as a last word ("2029-04-13T21:46:00 UTC") or "Z" for UTC. Without one, `missing` is
