@@ -1,0 +1,77 @@
+#include "polhode/motion/theta.hpp"
+
+#include <cstdlib>
+#include <string_view>
+
+namespace polhode {
+namespace theta {
+
+extern const Target k_target_baseline;
+#ifdef POLHODE_X86_TARGETS
+extern const Target k_target_avx2;
+extern const Target k_target_avx512;
+#endif
+
+std::size_t targets(const Target* out[3]) {
+  std::size_t count = 0;
+  out[count++] = &k_target_baseline;
+#ifdef POLHODE_X86_TARGETS
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) out[count++] = &k_target_avx2;
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) out[count++] = &k_target_avx512;
+#endif
+  return count;
+}
+
+namespace {
+
+const Target& chosen_target() {
+  static const Target* const chosen = [] {
+    const Target* available[3];
+    const std::size_t count = targets(available);
+    if (const char* wanted = std::getenv("POLHODE_TARGET")) {
+      for (std::size_t i = 0; i < count; ++i) {
+        if (std::string_view(wanted) == available[i]->name) return available[i];
+      }
+    }
+    return available[count - 1];
+  }();
+  return *chosen;
+}
+
+}  // namespace
+}  // namespace theta
+
+ThetaMotion::ThetaMotion(const FreeBody& body, Span span) {
+  theta::Input in;
+  const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
+  for (int k = 0; k < 3; ++k) {
+    in.moments[k] = body.principal_moments[k];
+    in.momentum[k] = body.momentum_body[k];
+  }
+  for (int k = 0; k < 4; ++k) in.q[k] = q[k];
+  const theta::Target& target = theta::chosen_target();
+  (span == Span::any ? target.build : target.build_short)(in, solution_);
+}
+
+FreeState ThetaMotion::at(double t_high_s, double t_low_s) const {
+  double q[4];
+  FreeState state;
+  theta::chosen_target().at(solution_, t_high_s, t_low_s, q, state.momentum_body.data());
+  state.q_inertial_from_body = Quaternion(q[0], q[1], q[2], q[3]);
+  return state;
+}
+
+void ThetaMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+  theta::BatchArguments arguments{times.high.data(),
+                                  times.low.empty() ? nullptr : times.low.data(),
+                                  times.high.size(),
+                                  {out.q[0], out.q[1], out.q[2], out.q[3]},
+                                  out.q_stride,
+                                  {out.m[0], out.m[1], out.m[2]},
+                                  out.m_stride};
+  theta::chosen_target().batch(solution_, arguments);
+}
+
+std::string_view ThetaMotion::target() { return theta::chosen_target().name; }
+
+}  // namespace polhode

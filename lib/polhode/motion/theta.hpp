@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string_view>
+
+#include "polhode/motion/motion.hpp"
+#include "polhode/motion/theta/series.hpp"
+
+namespace polhode {
+
+/// The exact motion of a free rigid body as one theta series (theta.md): every body, no special case but a momentum that
+/// is constant in the body. At an instant t, with two phases v = nu t + v0 and rho t and two short series,
+///
+///     alpha + beta    the even and the odd part of a theta function of v
+///     attitude(t)   = R (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} C / sqrt(N),    N = |alpha|^2 + |beta|^2
+///     m1 + i m2     = 2 i G beta conj(alpha) / N,    m3 = G (|alpha|^2 - |beta|^2) / N     (canonical axes)
+///
+/// with R and C constant rotations. Near the separatrix the same functions are taken after Jacobi's transformation.
+class ThetaMotion final : public FreeMotion {
+ public:
+  /// What the constants must serve.
+  enum class Span {
+    any,   ///< double-double constants: the error does not grow with time
+    step,  ///< plain double, several times cheaper to build: for a step of a splitting method, up to about a turn
+  };
+
+  explicit ThetaMotion(const FreeBody& body, Span span = Span::any);
+
+  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+  void batch(const TimeArrays& times, const StateArrays& out) const override;
+
+  const theta::Solution& solution() const { return solution_; }
+
+  /// The instruction set in use: "avx512", "avx2" or "baseline". POLHODE_TARGET in the environment asks for another.
+  static std::string_view target();
+
+ private:
+  theta::Solution solution_;
+};
+
+}  // namespace polhode

@@ -1,0 +1,272 @@
+#pragma once
+
+// A few operations that one text of the evaluation needs, for `double` (one instant) and for `Lanes` (as many as the
+// target's registers hold; the vector extension of GCC and Clang gives + - * / and comparisons).
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "polhode/base/target.hpp"
+
+#if defined(__AVX2__) || defined(__AVX512F__)
+#include <immintrin.h>
+#elif defined(__SSE2__)
+#include <emmintrin.h>
+#endif
+
+namespace polhode::theta {
+inline namespace POLHODE_TARGET {
+
+#if defined(__AVX512F__)
+inline constexpr int kLanes = 8;
+#elif defined(__AVX2__)
+inline constexpr int kLanes = 4;
+#else
+inline constexpr int kLanes = 2;
+#endif
+
+typedef double Lanes __attribute__((vector_size(8 * kLanes)));
+typedef std::int64_t LaneBits __attribute__((vector_size(8 * kLanes)));
+
+template <class V>
+struct BitsOf;
+template <>
+struct BitsOf<double> {
+  using type = std::int64_t;
+};
+template <>
+struct BitsOf<Lanes> {
+  using type = LaneBits;
+};
+
+template <class V>
+inline typename BitsOf<V>::type bits(V a) {
+  typename BitsOf<V>::type b;
+  std::memcpy(&b, &a, sizeof b);
+  return b;
+}
+template <class V>
+inline V value(typename BitsOf<V>::type b) {
+  V a;
+  std::memcpy(&a, &b, sizeof a);
+  return a;
+}
+
+template <class V>
+inline V all(double a);
+template <>
+inline double all<double>(double a) {
+  return a;
+}
+template <>
+inline Lanes all<Lanes>(double a) {
+  return Lanes{} + a;
+}
+
+// sqrt, and fma where the machine has it. Elsewhere the text below asks for two_product and multiply_add separately.
+inline double square_root(double a) { return __builtin_sqrt(a); }
+inline Lanes square_root(Lanes a) {
+#if defined(__AVX512F__)
+  return _mm512_sqrt_pd(a);
+#elif defined(__AVX2__)
+  return _mm256_sqrt_pd(a);
+#elif defined(__SSE2__)
+  return _mm_sqrt_pd(a);
+#else
+  for (int i = 0; i < kLanes; ++i) a[i] = __builtin_sqrt(a[i]);
+  return a;
+#endif
+}
+
+#if defined(__FMA__) || defined(__ARM_FEATURE_FMA)
+inline double multiply_add(double a, double b, double c) { return __builtin_fma(a, b, c); }
+inline Lanes multiply_add(Lanes a, Lanes b, Lanes c) {
+#if defined(__AVX512F__)
+  return _mm512_fmadd_pd(a, b, c);
+#elif defined(__AVX2__)
+  return _mm256_fmadd_pd(a, b, c);
+#else
+  for (int i = 0; i < kLanes; ++i) c[i] = __builtin_fma(a[i], b[i], c[i]);
+  return c;
+#endif
+}
+/// error = a b - product, exactly
+template <class V>
+inline V product_error(V a, V b, V product) {
+  return multiply_add(a, b, -product);
+}
+#else
+template <class V>
+inline V multiply_add(V a, V b, V c) {
+  return a * b + c;
+}
+/// error = a b - product, exactly (Dekker and Veltkamp; |a|, |b| < 2^996)
+template <class V>
+inline V product_error(V a, V b, V product) {
+  const V splitter = all<V>(0x1p27 + 1.0);
+  const V ta = a * splitter, tb = b * splitter;
+  const V ah = ta - (ta - a), bh = tb - (tb - b);
+  const V al = a - ah, bl = b - bh;
+  return ((ah * bh - product) + ah * bl + al * bh) + al * bl;
+}
+#endif
+
+/// Nearest integer, ties to even, for any size.
+inline double nearest_integer(double a) { return __builtin_rint(a); }
+inline Lanes nearest_integer(Lanes a) {
+#if defined(__AVX512F__)
+  return _mm512_roundscale_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+#elif defined(__AVX2__)
+  return _mm256_round_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
+#else
+  const Lanes magic = all<Lanes>(0x1.8p52);
+  const Lanes rounded = (a + magic) - magic;
+  const LaneBits small = (a < all<Lanes>(0x1p51)) & (a > all<Lanes>(-0x1p51));
+  return value<Lanes>((bits(rounded) & small) | (bits(a) & ~small));
+#endif
+}
+
+/// a where the lowest bit of `chooser` is 0, else b.
+template <class V>
+inline V choose(typename BitsOf<V>::type chooser, V a, V b) {
+  const typename BitsOf<V>::type mask = -(chooser & 1);
+  return value<V>((bits(a) & ~mask) | (bits(b) & mask));
+}
+#if defined(__AVX512DQ__)
+template <>
+inline Lanes choose<Lanes>(LaneBits chooser, Lanes a, Lanes b) {
+  return _mm512_mask_blend_pd(_mm512_movepi64_mask(reinterpret_cast<__m512i>(chooser << 63)), a, b);
+}
+#endif
+
+/// a with its sign changed where bit 63 of `sign` is set.
+template <class V>
+inline V flip(V a, typename BitsOf<V>::type sign) {
+  constexpr std::int64_t top = INT64_MIN;
+  return value<V>(bits(a) ^ (sign & top));
+}
+
+template <class V>
+inline V magnitude(V a) {
+  return value<V>(bits(a) & INT64_MAX);
+}
+
+inline double smaller(double a, double b) { return b < a ? b : a; }
+inline double larger(double a, double b) { return b > a ? b : a; }
+inline Lanes smaller(Lanes a, Lanes b) {
+#if defined(__AVX512F__)
+  return _mm512_min_pd(b, a);
+#elif defined(__AVX2__)
+  return _mm256_min_pd(b, a);
+#elif defined(__SSE2__)
+  return _mm_min_pd(b, a);
+#else
+  for (int i = 0; i < kLanes; ++i) a[i] = smaller(a[i], b[i]);
+  return a;
+#endif
+}
+inline Lanes larger(Lanes a, Lanes b) {
+#if defined(__AVX512F__)
+  return _mm512_max_pd(b, a);
+#elif defined(__AVX2__)
+  return _mm256_max_pd(b, a);
+#elif defined(__SSE2__)
+  return _mm_max_pd(b, a);
+#else
+  for (int i = 0; i < kLanes; ++i) a[i] = larger(a[i], b[i]);
+  return a;
+#endif
+}
+
+template <class V>
+inline V load(const double* p) {
+  V a;
+  std::memcpy(&a, p, sizeof a);
+  return a;
+}
+template <class V>
+inline void store(double* p, V a) {
+  std::memcpy(p, &a, sizeof a);
+}
+
+/// p[4 i + k] = component k of lane i.
+inline void store_rows_of_4(double* p, const Lanes (&c)[4]) {
+#if defined(__AVX512F__)
+  // Pairs of components, then pairs of pairs.
+  const __m512d ab_low = _mm512_unpacklo_pd(c[0], c[1]), ab_high = _mm512_unpackhi_pd(c[0], c[1]);
+  const __m512d cd_low = _mm512_unpacklo_pd(c[2], c[3]), cd_high = _mm512_unpackhi_pd(c[2], c[3]);
+  // 128-bit blocks: ab_low = rows 0 2 4 6, ab_high = rows 1 3 5 7.
+  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+  const __m512d rows_02 = _mm512_permutex2var_pd(ab_low, first, cd_low);
+  const __m512d rows_46 = _mm512_permutex2var_pd(ab_low, second, cd_low);
+  const __m512d rows_13 = _mm512_permutex2var_pd(ab_high, first, cd_high);
+  const __m512d rows_57 = _mm512_permutex2var_pd(ab_high, second, cd_high);
+  _mm512_storeu_pd(p, _mm512_shuffle_f64x2(rows_02, rows_13, 0x44));
+  _mm512_storeu_pd(p + 8, _mm512_shuffle_f64x2(rows_02, rows_13, 0xee));
+  _mm512_storeu_pd(p + 16, _mm512_shuffle_f64x2(rows_46, rows_57, 0x44));
+  _mm512_storeu_pd(p + 24, _mm512_shuffle_f64x2(rows_46, rows_57, 0xee));
+#elif defined(__AVX2__)
+  const __m256d ab_low = _mm256_unpacklo_pd(c[0], c[1]), ab_high = _mm256_unpackhi_pd(c[0], c[1]);
+  const __m256d cd_low = _mm256_unpacklo_pd(c[2], c[3]), cd_high = _mm256_unpackhi_pd(c[2], c[3]);
+  _mm256_storeu_pd(p, _mm256_permute2f128_pd(ab_low, cd_low, 0x20));
+  _mm256_storeu_pd(p + 4, _mm256_permute2f128_pd(ab_high, cd_high, 0x20));
+  _mm256_storeu_pd(p + 8, _mm256_permute2f128_pd(ab_low, cd_low, 0x31));
+  _mm256_storeu_pd(p + 12, _mm256_permute2f128_pd(ab_high, cd_high, 0x31));
+#else
+  for (int i = 0; i < kLanes; ++i) {
+    for (int k = 0; k < 4; ++k) p[4 * i + k] = c[k][i];
+  }
+#endif
+}
+
+/// p[3 i + k] = component k of lane i.
+inline void store_rows_of_3(double* p, const Lanes (&c)[3]) {
+#if defined(__AVX512F__)
+  // Output words 0 to 7, 8 to 15, 16 to 23, word 3 i + k: first a and b are merged, then c.
+  const __m512i ab_0 = _mm512_setr_epi64(0, 8, 0, 1, 9, 0, 2, 10), c_0 = _mm512_setr_epi64(0, 1, 8, 3, 4, 9, 6, 7);
+  const __m512i ab_1 = _mm512_setr_epi64(0, 3, 11, 0, 4, 12, 0, 5), c_1 = _mm512_setr_epi64(10, 1, 2, 11, 4, 5, 12, 7);
+  const __m512i ab_2 = _mm512_setr_epi64(13, 0, 6, 14, 0, 7, 15, 0), c_2 = _mm512_setr_epi64(0, 13, 2, 3, 14, 5, 6, 15);
+  _mm512_storeu_pd(p, _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_0, c[1]), c_0, c[2]));
+  _mm512_storeu_pd(p + 8, _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_1, c[1]), c_1, c[2]));
+  _mm512_storeu_pd(p + 16, _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_2, c[1]), c_2, c[2]));
+#else
+  for (int i = 0; i < kLanes; ++i) {
+    for (int k = 0; k < 3; ++k) p[3 * i + k] = c[k][i];
+  }
+#endif
+}
+
+/// memcpy past the caches where the machine can: the result is larger than they are, and reading it first costs time.
+inline void copy_past_caches(double* to, const double* from, std::size_t count) {
+#if defined(__SSE2__)
+  constexpr std::size_t words = kLanes;
+  std::size_t i = 0;
+  while (i < count && reinterpret_cast<std::uintptr_t>(to + i) % sizeof(Lanes) != 0) {
+    to[i] = from[i];
+    ++i;
+  }
+  for (; i + words <= count; i += words) {
+#if defined(__AVX512F__)
+    _mm512_stream_pd(to + i, _mm512_loadu_pd(from + i));
+#elif defined(__AVX2__)
+    _mm256_stream_pd(to + i, _mm256_loadu_pd(from + i));
+#else
+    _mm_stream_pd(to + i, _mm_loadu_pd(from + i));
+#endif
+  }
+  for (; i < count; ++i) to[i] = from[i];
+#else
+  std::memcpy(to, from, count * sizeof(double));
+#endif
+}
+
+/// Orders the streamed stores before whatever follows.
+inline void finish_streaming() {
+#if defined(__SSE2__)
+  _mm_sfence();
+#endif
+}
+
+}  // namespace POLHODE_TARGET
+}  // namespace polhode::theta

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <cstddef>
+
+namespace polhode::theta {
+
+// The constants of a motion as the evaluation at an instant needs them: plain doubles, one struct per chart. Formulas
+// and letters: theta.md beside this file. Time in seconds, phases in turns.
+
+inline constexpr int kMaxDegree = 3;
+
+/// An unevaluated sum of two doubles.
+struct TwoPart {
+  double high;
+  double low;
+};
+
+/// q(t) = cosine cos(2 pi turns) + sine sin(2 pi turns): the momentum is constant in the body.
+struct FixedAxis {
+  TwoPart turns_per_s;
+  double cosine[4];  ///< quaternions, scalar first
+  double sine[4];
+  double momentum[3];
+};
+
+/// What both charts share: q = frame . (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} / sqrt(N), and the momentum in
+/// canonical axes, multiplied by `momentum_scale` (+-G) and, in long-axis mode, first and third exchanged.
+struct Frame {
+  double frame[4][4];
+  double momentum_scale[3];  ///< of canonical component 1, 2, 3
+  bool exchange_1_3;
+};
+
+/// First chart: with v = 2 pi (v_turns_per_s t + v_turns_at_0), c = cos 2v, polynomials in c of the given degree:
+///   Re alpha = p0(c), Im alpha = sin 2v p1(c), Re beta = sin v p2(c), Im beta = cos v p3(c).
+struct FourierChart {
+  Frame frame;
+  TwoPart rho_turns_per_s;
+  TwoPart v_turns_per_s;
+  TwoPart v_turns_at_0;
+  int degree;
+  double polynomial[4][kMaxDegree + 1];
+};
+
+/// Second chart: with x = x_per_s t + x_at_0 reduced to |x| <= x_period / 2 by n whole periods, E = e^{-|x|},
+/// Y = e^{|x| - x_period / 2}, and s the sign of x:
+///   Re alpha = p0(Y) + E p4(E)             Im alpha = s (p1(Y) - E p5(E))
+///   Re beta = (-1)^n s (p2(Y) - E p6(E))   Im beta = (-1)^n (p3(Y) + E p7(E))
+/// both times e^{2 pi i x x_to_turns}, to be combined with e^{i rho t}.
+struct HyperbolicChart {
+  Frame frame;
+  TwoPart rho_turns_per_s;
+  TwoPart x_per_s;
+  TwoPart x_at_0;
+  TwoPart x_period;  ///< 1e300 where infinite
+  double reciprocal_x_period;
+  double root_of_nome_bound;  ///< Q = e^{-x_period / 2}
+  double x_to_turns;
+  int degree;
+  double polynomial[8][kMaxDegree + 1];
+};
+
+enum class Chart { fixed_axis, fourier, hyperbolic };
+
+/// One motion. The chart says which member is meant; they are kept apart so that each evaluation sees its own only.
+struct Solution {
+  Chart chart = Chart::fixed_axis;
+  union {
+    FixedAxis fixed_axis = {};
+    FourierChart fourier;
+    HyperbolicChart hyperbolic;
+  };
+  bool long_axis_mode = false;
+};
+
+/// A body at t = 0: as FreeBody, in plain arrays.
+struct Input {
+  double moments[3];
+  double q[4];
+  double momentum[3];
+};
+
+/// Times in, states out; pointers as in StateArrays, `t_low` and `m` may be null.
+struct BatchArguments {
+  const double* t_high;
+  const double* t_low;
+  std::size_t count;
+  double* q[4];
+  std::ptrdiff_t q_stride;
+  double* m[3];
+  std::ptrdiff_t m_stride;
+};
+
+/// The functions compiled once per instruction set.
+struct Target {
+  const char* name;
+  int lanes;
+  void (*build)(const Input&, Solution&);        ///< double-double: any span
+  void (*build_short)(const Input&, Solution&);  ///< double: a step of a splitting method
+  void (*at)(const Solution&, double t_high, double t_low, double q[4], double m[3]);
+  void (*batch)(const Solution&, const BatchArguments&);
+};
+
+/// The targets that this machine can run, best last.
+std::size_t targets(const Target* out[3]);
+
+}  // namespace polhode::theta

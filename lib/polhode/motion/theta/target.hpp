@@ -1,0 +1,26 @@
+// Included once by each target_*.cpp, which is compiled for its own instruction set.
+
+#include "polhode/motion/theta/build.hpp"
+#include "polhode/motion/theta/kernel.hpp"
+
+namespace polhode::theta {
+namespace {
+
+void build_any_span(const Input& in, Solution& out) { build<DoubleDouble>(in, out); }
+void build_short_span(const Input& in, Solution& out) { build<double>(in, out); }
+
+void at_one(const Solution& s, double t_high, double t_low, double q[4], double m[3]) {
+  dispatch(s, [&](const auto& at) {
+    double qs[4], ms[3];
+    at(t_high, t_low, qs, ms);
+    for (int k = 0; k < 4; ++k) q[k] = qs[k];
+    for (int k = 0; k < 3; ++k) m[k] = ms[k];
+  });
+}
+
+void batch_of(const Solution& s, const BatchArguments& arguments) {
+  dispatch(s, [&](const auto& at) { batch_with(at, arguments); });
+}
+
+}  // namespace
+}  // namespace polhode::theta

@@ -1,0 +1,7 @@
+#define POLHODE_TARGET avx512
+#include "polhode/motion/theta/target.hpp"
+
+namespace polhode::theta {
+extern const Target k_target_avx512;
+const Target k_target_avx512 = {"avx512", kLanes, build_any_span, build_short_span, at_one, batch_of};
+}  // namespace polhode::theta
