@@ -77,9 +77,7 @@ inline DoubleDouble operator/(DoubleDouble a, DoubleDouble b) {  // [17], 9.8 u^
 inline DoubleDouble operator/(DoubleDouble a, double b) { return a / DoubleDouble(b); }
 inline DoubleDouble operator/(double a, DoubleDouble b) { return DoubleDouble(a) / b; }
 
-inline bool operator<(DoubleDouble a, DoubleDouble b) {
-  return a.high < b.high || (a.high == b.high && a.low < b.low);
-}
+inline bool operator<(DoubleDouble a, DoubleDouble b) { return a.high < b.high || (a.high == b.high && a.low < b.low); }
 inline bool operator>(DoubleDouble a, DoubleDouble b) { return b < a; }
 
 inline DoubleDouble abs(DoubleDouble a) { return a.high < 0.0 ? -a : a; }
@@ -131,10 +129,18 @@ inline void sincos_turns(DoubleDouble x, DoubleDouble& sine, DoubleDouble& cosin
     s = s + s_term;
   }
   switch (static_cast<int>(quarter) & 3) {
-    case 0: sine = s, cosine = c; break;
-    case 1: sine = c, cosine = -s; break;
-    case 2: sine = -s, cosine = -c; break;
-    default: sine = -c, cosine = s; break;
+    case 0:
+      sine = s, cosine = c;
+      break;
+    case 1:
+      sine = c, cosine = -s;
+      break;
+    case 2:
+      sine = -s, cosine = -c;
+      break;
+    default:
+      sine = -c, cosine = s;
+      break;
   }
 }
 

@@ -15,8 +15,8 @@ template <class Real>
 Real carlson_rf_of_roots(Real x, Real y, Real z) {
   using Traits = RealTraits<Real>;
   const auto high = [](Real v) { return Traits::high(v); };
-  const double smallest_two = high(x) < high(y) ? (high(y) < high(z) ? high(y) : high(z))
-                                                : (high(x) < high(z) ? high(x) : high(z));
+  const double smallest_two =
+      high(x) < high(y) ? (high(y) < high(z) ? high(y) : high(z)) : (high(x) < high(z) ? high(x) : high(z));
   if (smallest_two == 0.0) return std::numeric_limits<double>::infinity();
   // The series' relative error is about 0.2 d^8, with d the largest relative deviation from the mean.
   const double tolerance = sizeof(Real) == sizeof(double) ? 0.011 : 1e-4;

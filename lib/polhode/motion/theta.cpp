@@ -62,12 +62,9 @@ FreeState ThetaMotion::at(double t_high_s, double t_low_s) const {
 }
 
 void ThetaMotion::batch(const TimeArrays& times, const StateArrays& out) const {
-  theta::BatchArguments arguments{times.high.data(),
-                                  times.low.empty() ? nullptr : times.low.data(),
-                                  times.high.size(),
-                                  {out.q[0], out.q[1], out.q[2], out.q[3]},
-                                  out.q_stride,
-                                  {out.m[0], out.m[1], out.m[2]},
+  theta::BatchArguments arguments{times.high.data(), times.low.empty() ? nullptr : times.low.data(),
+                                  times.high.size(), {out.q[0], out.q[1], out.q[2], out.q[3]},
+                                  out.q_stride,      {out.m[0], out.m[1], out.m[2]},
                                   out.m_stride};
   theta::chosen_target().batch(solution_, arguments);
 }

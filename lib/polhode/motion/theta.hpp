@@ -7,8 +7,8 @@
 
 namespace polhode {
 
-/// The exact motion of a free rigid body as one theta series (theta.md): every body, no special case but a momentum that
-/// is constant in the body. At an instant t, with two phases v = nu t + v0 and rho t and two short series,
+/// The exact motion of a free rigid body as one theta series (theta.md): every body, no special case but a momentum
+/// that is constant in the body. At an instant t, with two phases v = nu t + v0 and rho t and two short series,
 ///
 ///     alpha + beta    the even and the odd part of a theta function of v
 ///     attitude(t)   = R (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} C / sqrt(N),    N = |alpha|^2 + |beta|^2

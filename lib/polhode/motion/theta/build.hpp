@@ -56,15 +56,15 @@ Real rf_near_one(Real x, Real y, int exponent) {
 /// Momentum and moments in canonical axes: turned so that the momentum circles +e3, in units in which both are near 1.
 template <class Real>
 struct Canonical {
-  double moments[3];        // ascending in short-axis mode, descending in long-axis mode
-  double m[3];              // m[0] and m[2] times 2^exponent_13
+  double moments[3];  // ascending in short-axis mode, descending in long-axis mode
+  double m[3];        // m[0] and m[2] times 2^exponent_13
   int exponent_13;
   bool long_axis_mode;
-  double sign[3];           // canonical component k is sign[k] times the body's component k, after the exchange
+  double sign[3];  // canonical component k is sign[k] times the body's component k, after the exchange
   Quaternion4<Real> q_canonical_from_body;
-  Real j21, j31, j32;       // |I_jh|
-  Real d1, d3;              // |Delta_1|, |Delta_3|
-  Real d2_13;               // |Delta_2| 2^(-2 exponent_13)
+  Real j21, j31, j32;  // |I_jh|
+  Real d1, d3;         // |Delta_1|, |Delta_3|
+  Real d2_13;          // |Delta_2| 2^(-2 exponent_13)
   Real g;
 };
 
@@ -174,7 +174,7 @@ void build_fixed_axis(const Input& in, int moment_exponent, int momentum_exponen
   if (!at_rest) axis = {0.0, omega[0] / rate, omega[1] / rate, omega[2] / rate};
   const Quaternion4<Real> turned = q0 * axis;
   out.chart = Chart::fixed_axis;
-  out.fixed_axis = {scaled(rate / (RealTraits<Real>::pi() * 4.0), momentum_exponent - moment_exponent),
+  out.fixed_axis = {scaled(rate / RealTraits<Real>::pi(), momentum_exponent - moment_exponent),
                     {nearest(q0.w), nearest(q0.x), nearest(q0.y), nearest(q0.z)},
                     {nearest(turned.w), nearest(turned.x), nearest(turned.y), nearest(turned.z)},
                     {in.momentum[0], in.momentum[1], in.momentum[2]}};
@@ -247,13 +247,11 @@ Common<Real> common(const Canonical<Real>& c) {
     s.half_bracket = (c.g / i3 + b13 * b13 * c.j31 / ((c.g + b31) * i1 * i3)) * 0.5;
   }
   // cn = m1/B13, dn = m3/B31, sn = m2/B23 at t = 0
-  s.w0 = c.m[1] == 0.0
-             ? Real(0.0)
-             : c.m[1] / b23 * rf_near_one<Real>(c.m[0] / b13, c.m[2] / b31, c.exponent_13);
+  s.w0 = c.m[1] == 0.0 ? Real(0.0) : c.m[1] / b23 * rf_near_one<Real>(c.m[0] / b13, c.m[2] / b31, c.exponent_13);
   s.y = nearest(c.j21) == 0.0
             ? Real(kInfinite)
-            : sqrt(i1 * c.j32) * carlson_rf_of_roots<Real>(sqrt(i3 * c.j21), c.g * sqrt(c.j21 * c.j31 / c.d1),
-                                                           sqrt(i2 * c.j31));
+            : sqrt(i1 * c.j32) *
+                  carlson_rf_of_roots<Real>(sqrt(i3 * c.j21), c.g * sqrt(c.j21 * c.j31 / c.d1), sqrt(i2 * c.j31));
   s.y_prime = b31 * carlson_rf_of_roots<Real>(b13, b23, c.g);
   s.k_prime = s.y + s.y_prime;
   const Real kc = sqrt(c.d2_13 * c.j31 / (c.d1 * c.j32));
@@ -277,7 +275,8 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
   // T_j + T_-j and T_j - T_-j at v = 0, from T_j = p^(j^2) r^(j (j - 1)), by their ratios.
   const Real p2 = p * p, r2 = r * r;
   FourierChart& f = out.fourier;
-  Real even_sum[kMaxDegree + 1], even_difference[kMaxDegree + 1], odd_sum[kMaxDegree + 1], odd_difference[kMaxDegree + 1];
+  Real even_sum[kMaxDegree + 1], even_difference[kMaxDegree + 1], odd_sum[kMaxDegree + 1],
+      odd_difference[kMaxDegree + 1];
   Real a0 = 1.0, a1 = 0.0;
   Real t_plus = 1.0, t_minus = 1.0;           // T_j, T_-j
   Real plus_ratio = p, minus_ratio = p * r2;  // T_(j+1)/T_j = p^(2j+1) r^(2j), T_-(j+1)/T_-j = p^(2j+1) r^(2j+2)
@@ -325,9 +324,10 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
 
   const int time_exponent = momentum_exponent - moment_exponent;
   const Real v_turns_at_0 = s.w0 * s.reciprocal_k * 0.25;
-  f.v_turns_at_0 = two_part(v_turns_at_0);
-  f.v_turns_per_s = scaled(s.lambda * s.reciprocal_k * 0.25, time_exponent);
-  f.rho_turns_per_s = scaled(rho / (RealTraits<Real>::pi() * 2.0), time_exponent);
+  f.v_whole_quarters_at_0 = __builtin_rint(nearest(v_turns_at_0 * 4.0));
+  f.v_quarters_at_0 = nearest(v_turns_at_0 * 4.0 - f.v_whole_quarters_at_0);
+  f.v_quarters_per_s = scaled(s.lambda * s.reciprocal_k, time_exponent);
+  f.rho_quarters_per_s = scaled(rho * 2.0 / RealTraits<Real>::pi(), time_exponent);
   Real sin_v, cos_v;
   sincos_turns(v_turns_at_0, sin_v, cos_v);
   const Real cos_2v = 1.0 - sin_v * sin_v * 2.0, sin_2v = sin_v * cos_v * 2.0;
@@ -393,8 +393,8 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   h.x_period = two_part(x_period);
   h.reciprocal_x_period = closed ? nearest(1.0 / x_period) : 0.0;
   h.root_of_nome_bound = nearest(q);
-  h.x_to_turns = nearest(x_to_turns);
-  h.rho_turns_per_s = scaled(rho / (pi * 2.0), time_exponent);
+  h.x_to_quarters = nearest(x_to_turns * 4.0);
+  h.rho_quarters_per_s = scaled(rho * 2.0 / pi, time_exponent);
 
   // State at t = 0, as the evaluation has it: |x_at_0| <= x_period / 2 up to rounding.
   const double side = nearest(x_at_0) < 0.0 ? -1.0 : 1.0;

@@ -51,7 +51,7 @@ def show(name, coefficients, error):
 
 
 quarter = mp.pi / 2
-limit = mp.mpf("0.2501")  # of (quarter turns)^2
+limit = mp.mpf("0.252")  # of (quarter turns)^2
 
 
 def sine_tail(u):  # sin(quarter y) = quarter y + y^3 tail(y^2)
@@ -68,13 +68,16 @@ def cosine_tail(u):  # cos(quarter y) = 1 - quarter^2/2 y^2 + y^4 tail(y^2)
     return (mp.cos(quarter * y) - 1 + quarter**2 / 2 * u) / u**2
 
 
-def exponential_tail(x):  # e^x = 1 + x + x^2 tail(x)
-    if abs(x) < mp.mpf("1e-10"):
-        return mp.mpf(1) / 2
-    return (mp.exp(x) - 1 - x) / x**2
+def even_tail(u):  # cosh x = 1 + x^2 tail(x^2)
+    return (mp.cosh(mp.sqrt(u)) - 1) / u if u > mp.mpf("1e-20") else mp.mpf(1) / 2
+
+
+def odd_tail(u):  # sinh x = x + x^3 tail(x^2)
+    return (mp.sinh(mp.sqrt(u)) / mp.sqrt(u) - 1) / u if u > mp.mpf("1e-20") else mp.mpf(1) / 6
 
 
 show("kSineTail", *remez(sine_tail, lambda u: u**mp.mpf("1.5") if u > 0 else mp.mpf("1e-6"), mp.mpf(0), limit, 5))
 show("kCosineTail", *remez(cosine_tail, lambda u: u**2 if u > 0 else mp.mpf("1e-6"), mp.mpf(0), limit, 5))
-half_ln2 = mp.log(2) / 2 * mp.mpf("1.001")
-show("kExponentialTail", *remez(exponential_tail, lambda x: x * x + mp.mpf("1e-6"), -half_ln2, half_ln2, 9))
+limit = (mp.log(2) / 2 * mp.mpf("1.001")) ** 2
+show("kExponentialEven", *remez(even_tail, lambda u: u + mp.mpf("1e-6"), mp.mpf(0), limit, 4))
+show("kExponentialOdd", *remez(odd_tail, lambda u: u**mp.mpf("1.5") + mp.mpf("1e-6"), mp.mpf(0), limit, 4))

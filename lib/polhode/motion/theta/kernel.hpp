@@ -8,18 +8,20 @@
 namespace polhode::theta {
 inline namespace POLHODE_TARGET {
 
-// Minimax polynomials, from coefficients.py.
-// sin(pi/2 y) = pi/2 y + y^3 tail(y^2), |y| <= 1/2: largest error 2^-59.1
-inline constexpr double kSineTail[] = {-0x1.4abbce625be3cp-1, 0x1.466bc67757d6ep-4,   -0x1.32d2cce22faa2p-8,
-                                       0x1.50782f2e14219p-13, -0x1.e2ffdca8dc14fp-19, 0x1.e3c30b19464c1p-25};
-// cos(pi/2 y) = 1 - pi^2/8 y^2 + y^4 tail(y^2): 2^-64.2
-inline constexpr double kCosineTail[] = {0x1.03c1f081b5abcp-2,  -0x1.55d3c7e3ca6fbp-6, 0x1.e1f50685288bfp-11,
-                                         -0x1.a6d1edbb37a86p-16, 0x1.f9cd20250ea8dp-22, -0x1.b2a1e7f755ab8p-28};
-// e^x = 1 + x + x^2 tail(x), |x| <= ln2/2: 2^-58.0
-inline constexpr double kExponentialTail[] = {0x1.000000000000cp-1,  0x1.5555555555561p-3,  0x1.555555554ff93p-5,
-                                              0x1.111111110d5d5p-7,  0x1.6c16c185ca91bp-10, 0x1.a01a01bb0421ep-13,
-                                              0x1.a019963161049p-16, 0x1.71dddf8048f86p-19, 0x1.28b0a67d70361p-22,
-                                              0x1.af85ff7415c79p-26};
+// Minimax polynomials, from coefficients.py: sin(pi/2 y) = pi/2 y + y^3 tail(y^2) and cos(pi/2 y) = 1 - pi^2/8 y^2 +
+// y^4 tail(y^2) for y^2 <= 0.252, cosh x = 1 + x^2 tail(x^2) and sinh x = x + x^3 tail(x^2) for |x| <= ln2/2.
+// largest error 2^-59.1
+inline constexpr double kSineTail[] = {-0x1.4abbce625be3ap-1, 0x1.466bc67757baep-4,   -0x1.32d2cce2105fcp-8,
+                                       0x1.50782f0eb3c1cp-13, -0x1.e2ffbfabc9bfcp-19, 0x1.e3b8ff41c45b1p-25};
+// largest error 2^-64.1
+inline constexpr double kCosineTail[] = {0x1.03c1f081b5abcp-2,   -0x1.55d3c7e3ca604p-6, 0x1.e1f5068509874p-11,
+                                         -0x1.a6d1ed9e7859ep-16, 0x1.f9cd072de0d0fp-22, -0x1.b299ad1cd5e33p-28};
+// largest error 2^-58.0
+inline constexpr double kExponentialEven[] = {0x1.000000000000cp-1, 0x1.555555554fef0p-5, 0x1.6c16c185e656dp-10,
+                                              0x1.a01995f36068fp-16, 0x1.28b0d77ebc22dp-22};
+// largest error 2^-64.0
+inline constexpr double kExponentialOdd[] = {0x1.555555555555cp-3, 0x1.111111110eb6fp-7, 0x1.a01a01b3d5c86p-13,
+                                             0x1.71ddef4fec744p-19, 0x1.af6d4528f3cb4p-26};
 inline constexpr double kHalfPiHigh = 0x1.921fb54442d18p+0, kHalfPiLow = 0x1.1a62633145c07p-54;
 inline constexpr double kEighthPi2 = 0x1.3bd3cc9be45dep+0;  // pi^2/8
 inline constexpr double kMagic = 0x1.8p52;                  // its last bits are those of a small integer added to it
@@ -43,58 +45,68 @@ inline Pair<V> two_sum(V a, V b) {
   return {s, (a - (s - bb)) + (b - bb)};
 }
 
-/// rate t + offset in two parts, whole units removed from the largest term.
+/// An angle of (quarter + y) quarter turns, |y| <= 1/2; of the integer only its last two bits count.
 template <class V>
-inline Pair<V> turns(const TwoPart& rate, V t_high, V t_low, V offset_high, V offset_low) {
-  const V f = all<V>(rate.high);
-  const V product = t_high * f;
-  const V fraction = product - nearest_integer(product);
-  V rest = multiply_add(t_high, all<V>(rate.low), product_error(t_high, f, product));
-  rest = multiply_add(t_low, f, rest);
-  rest = rest - nearest_integer(rest);
-  const Pair<V> sum = two_sum(fraction, offset_high);
-  const V low = sum.low + (rest + offset_low);
-  const V high = sum.high + low;
-  return {high, (sum.high - high) + low};
+struct Angle {
+  V y;
+  typename BitsOf<V>::type quarter;
+};
+
+inline constexpr double kSafeQuarters = 0x1p44;  // up to here t times the low part of a rate stays far below 1
+
+/// rate t + offset + whole in quarter turns, |offset| <= 1/2 in the most accurate case, whole an integer. The product
+/// is rounded once, after its whole quarters have gone; beyond kSafeQuarters whole quarters are taken out of each part.
+template <class V>
+[[gnu::always_inline]] inline Angle<V> angle(const TwoPart& quarters_per_s, V t_high, V t_low, V offset,
+                                             double whole = 0.0) {
+  const V magic = all<V>(kMagic + whole), rate = all<V>(quarters_per_s.high);
+  const V about = multiply_add(t_high, rate, offset);
+  V rest = multiply_add(t_low, rate, t_high * quarters_per_s.low);
+  if (any_above(magnitude(about), kSafeQuarters)) [[unlikely]] {
+    const V product = t_high * rate;
+    const V whole = nearest_integer(product * 0.25) * 4.0;
+    rest = rest + product_error(t_high, rate, product);
+    rest = rest - nearest_integer(rest * 0.25) * 4.0;
+    const V y = ((product - whole) + offset) + rest;
+    const V shifted = y + magic;
+    return {y - (shifted - magic), bits(shifted)};
+  }
+  const V shifted = about + magic;
+  const V fraction = product_minus(t_high, rate, shifted - magic);
+  return {fraction + (offset + rest), bits(shifted)};
 }
 
-/// sin and cos of 2 pi (high + low), |high| <= 2; absolute error below 0.6 2^-53.
+/// sin and cos of an angle; absolute error below 0.7 2^-53.
 template <class V>
-inline void sine_cosine(const Pair<V>& x, V& sine, V& cosine) {
-  const V magic = all<V>(kMagic);
-  const V shifted = multiply_add(x.high, all<V>(4.0), magic);
-  const V quarter = shifted - magic;
-  const V y = multiply_add(x.high, all<V>(4.0), -quarter);
-  const V h = all<V>(kHalfPiHigh);
-  const V low = x.low * (4.0 * kHalfPiHigh);
-  const V a = y * h;
-  const V u = y * y;
-  V s = multiply_add(y, all<V>(kHalfPiLow), low) + product_error(y, h, a);
-  s = a + multiply_add(y * u, polynomial<5>(kSineTail, u), s);
-  V c = multiply_add(u * u, polynomial<5>(kCosineTail, u), -low * a);
-  c = 1.0 + multiply_add(u, all<V>(-kEighthPi2), c);
-  const auto q = bits(shifted);
-  sine = flip(choose(q, s, c), q << 62);
-  cosine = flip(choose(q, c, s), (q + 1) << 62);
+[[gnu::always_inline]] inline void sine_cosine(const Angle<V>& x, V& sine, V& cosine) {
+  const V y = x.y, u = y * y;
+  const V tail = multiply_add(u, polynomial<5>(kSineTail, u), all<V>(kHalfPiLow));
+  const V s = multiply_add(y, all<V>(kHalfPiHigh), y * tail);
+  const V c = multiply_add(u, multiply_add(u, polynomial<5>(kCosineTail, u), all<V>(-kEighthPi2)), all<V>(1.0));
+  sine = flip(choose(x.quarter, s, c), x.quarter << 62);
+  cosine = flip(choose(x.quarter, c, s), (x.quarter + 1) << 62);
 }
 
-/// e^{-(high + low)} for high >= 0; relative error below 2^-52; never below e^-700.
+/// e^{-(high + low)} for high >= 0, never below e^-700, and scale times its reciprocal; relative errors below 2^-52.
 template <class V>
-inline V negative_exponential(const Pair<V>& a) {
+[[gnu::always_inline]] inline void negative_exponential(const Pair<V>& a, double scale, V& exponential, V& reciprocal) {
   const V argument = smaller(a.high, all<V>(700.0));
   const V magic = all<V>(kMagic);
   const V shifted = multiply_add(argument, all<V>(-0x1.71547652b82fep+0), magic);  // -1/ln 2
   const V k = shifted - magic;
   V r = multiply_add(k, all<V>(-0x1.62e42fefap-1), -argument);  // exact: the constant has 33 bits
   r = multiply_add(k, all<V>(-0x1.cf79abc9e3b3ap-40), r) - a.low;
-  const V e = 1.0 + multiply_add(r * r, polynomial<9>(kExponentialTail, r), r);
-  return value<V>(bits(e) + (bits(shifted) << 52));
+  const V u = r * r;
+  const V even = multiply_add(u, polynomial<4>(kExponentialEven, u), all<V>(1.0));  // cosh r
+  const V odd = multiply_add(u * r, polynomial<4>(kExponentialOdd, u), r);          // sinh r
+  exponential = value<V>(bits(even + odd) + (bits(shifted) << 52));
+  reciprocal = (even - odd) * scale * value<V>(bits(all<V>(1.0)) - (bits(shifted) << 52));
 }
 
 /// Attitude and momentum (times its scale) from alpha and beta, one of them of size near 1, and the phase of rho t.
 template <class V>
-inline void attitude_and_momentum(const Frame& f, V re_alpha, V im_alpha, V re_beta, V im_beta, V sine, V cosine,
-                                  V (&q)[4], V (&m)[3]) {
+[[gnu::always_inline]] inline void attitude_and_momentum(const Frame& f, V re_alpha, V im_alpha, V re_beta, V im_beta,
+                                                         V sine, V cosine, V (&q)[4], V (&m)[3]) {
   const V alpha2 = multiply_add(re_alpha, re_alpha, im_alpha * im_alpha);
   const V beta2 = multiply_add(re_beta, re_beta, im_beta * im_beta);
   const V n = alpha2 + beta2;
@@ -107,15 +119,14 @@ inline void attitude_and_momentum(const Frame& f, V re_alpha, V im_alpha, V re_b
   m[0] = (f.exchange_1_3 ? m3 : m1) * f.momentum_scale[f.exchange_1_3 ? 2 : 0];
   m[1] = m2 * f.momentum_scale[1];
   m[2] = (f.exchange_1_3 ? m1 : m3) * f.momentum_scale[f.exchange_1_3 ? 0 : 2];
-  const V c = cosine * scale, s = sine * scale;
-  const V e0 = multiply_add(re_alpha, c, -im_alpha * s);
-  const V e1 = multiply_add(re_beta, c, -im_beta * s);
-  const V e2 = multiply_add(re_beta, s, im_beta * c);
-  const V e3 = multiply_add(re_alpha, s, im_alpha * c);
+  const V e0 = multiply_add(re_alpha, cosine, -im_alpha * sine);
+  const V e1 = multiply_add(re_beta, cosine, -im_beta * sine);
+  const V e2 = multiply_add(re_beta, sine, im_beta * cosine);
+  const V e3 = multiply_add(re_alpha, sine, im_alpha * cosine);
   for (int k = 0; k < 4; ++k) {
     const double* row = f.frame[k];
-    q[k] = multiply_add(all<V>(row[3]), e3,
-                        multiply_add(all<V>(row[2]), e2, multiply_add(all<V>(row[1]), e1, row[0] * e0)));
+    q[k] = scale * multiply_add(all<V>(row[3]), e3,
+                                multiply_add(all<V>(row[2]), e2, multiply_add(all<V>(row[1]), e1, row[0] * e0)));
   }
 }
 
@@ -123,9 +134,9 @@ struct FixedAxisAt {
   const FixedAxis& s;
 
   template <class V>
-  void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
+  [[gnu::always_inline]] void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
     V sine, cosine;
-    sine_cosine(turns(s.turns_per_s, t_high, t_low, V{}, V{}), sine, cosine);
+    sine_cosine(angle(s.quarters_per_s, t_high, t_low, V{}), sine, cosine);
     for (int k = 0; k < 4; ++k) q[k] = multiply_add(all<V>(s.sine[k]), sine, s.cosine[k] * cosine);
     for (int k = 0; k < 3; ++k) m[k] = all<V>(s.momentum[k]);
   }
@@ -136,11 +147,11 @@ struct FourierAt {
   const FourierChart& s;
 
   template <class V>
-  void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
+  [[gnu::always_inline]] void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
     V sin_v, cos_v, sin_rho, cos_rho;
-    sine_cosine(turns(s.v_turns_per_s, t_high, t_low, all<V>(s.v_turns_at_0.high), all<V>(s.v_turns_at_0.low)), sin_v,
+    sine_cosine(angle(s.v_quarters_per_s, t_high, t_low, all<V>(s.v_quarters_at_0), s.v_whole_quarters_at_0), sin_v,
                 cos_v);
-    sine_cosine(turns(s.rho_turns_per_s, t_high, t_low, V{}, V{}), sin_rho, cos_rho);
+    sine_cosine(angle(s.rho_quarters_per_s, t_high, t_low, V{}), sin_rho, cos_rho);
     const V two_sin = sin_v + sin_v;
     const V cos_2v = multiply_add(-two_sin, sin_v, all<V>(1.0));
     const V sin_2v = two_sin * cos_v;
@@ -156,7 +167,7 @@ struct HyperbolicAt {
   const HyperbolicChart& s;
 
   template <class V>
-  void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
+  [[gnu::always_inline]] void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
     // x, reduced by n periods
     const V rate = all<V>(s.x_per_s.high), period = all<V>(s.x_period.high);
     const V product = t_high * rate;
@@ -179,17 +190,15 @@ struct HyperbolicAt {
     const V other_side = half - from_0.high;
     const Pair<V> from_end{other_side, ((half - other_side) - from_0.high) + (0.5 * s.x_period.low - from_0.low)};
     const auto near_end = bits(from_end.high - from_0.high) >> 63;  // lowest bit set where nearer to the end
-    const V larger_one = negative_exponential<V>(
-        {larger(choose(near_end, from_0.high, from_end.high), V{}), choose(near_end, from_0.low, from_end.low)});
-    const V smaller_one = s.root_of_nome_bound / larger_one;
+    V larger_one, smaller_one;
+    negative_exponential<V>(
+        {larger(choose(near_end, from_0.high, from_end.high), V{}), choose(near_end, from_0.low, from_end.low)},
+        s.root_of_nome_bound, larger_one, smaller_one);
     const V e = choose(near_end, larger_one, smaller_one);
     const V y = choose(near_end, smaller_one, larger_one);
 
     V sin_phase, cos_phase;
-    const V k = all<V>(s.x_to_turns);
-    const V phase = x.high * k;
-    const V phase_low = multiply_add(x.low, k, product_error(x.high, k, phase));
-    sine_cosine(turns(s.rho_turns_per_s, t_high, t_low, phase, phase_low), sin_phase, cos_phase);
+    sine_cosine(angle(s.rho_quarters_per_s, t_high, t_low, x.high * s.x_to_quarters), sin_phase, cos_phase);
 
     const auto parity = bits(multiply_add(n, all<V>(1.0), all<V>(kMagic))) << 63;
     const V re_alpha = multiply_add(e, polynomial<Degree>(s.polynomial[4], e), polynomial<Degree>(s.polynomial[0], y));
@@ -205,26 +214,35 @@ struct HyperbolicAt {
 template <class With>
 inline void dispatch(const Solution& s, const With& with) {
   switch (s.chart) {
-    case Chart::fixed_axis: return with(FixedAxisAt{s.fixed_axis});
+    case Chart::fixed_axis:
+      return with(FixedAxisAt{s.fixed_axis});
     case Chart::fourier:
       switch (s.fourier.degree) {
-        case 0: return with(FourierAt<0>{s.fourier});
-        case 1: return with(FourierAt<1>{s.fourier});
-        case 2: return with(FourierAt<2>{s.fourier});
-        default: return with(FourierAt<3>{s.fourier});
+        case 0:
+          return with(FourierAt<0>{s.fourier});
+        case 1:
+          return with(FourierAt<1>{s.fourier});
+        case 2:
+          return with(FourierAt<2>{s.fourier});
+        default:
+          return with(FourierAt<3>{s.fourier});
       }
     case Chart::hyperbolic:
       switch (s.hyperbolic.degree) {
-        case 0: return with(HyperbolicAt<0>{s.hyperbolic});
-        case 1: return with(HyperbolicAt<1>{s.hyperbolic});
-        case 2: return with(HyperbolicAt<2>{s.hyperbolic});
-        default: return with(HyperbolicAt<3>{s.hyperbolic});
+        case 0:
+          return with(HyperbolicAt<0>{s.hyperbolic});
+        case 1:
+          return with(HyperbolicAt<1>{s.hyperbolic});
+        case 2:
+          return with(HyperbolicAt<2>{s.hyperbolic});
+        default:
+          return with(HyperbolicAt<3>{s.hyperbolic});
       }
   }
 }
 
-inline constexpr std::size_t kBlock = 512;                  // instants whose results stay in the first cache
-inline constexpr std::size_t kStreamedBytes = 4u << 20;     // results larger than this are written past the caches
+inline constexpr std::size_t kBlock = 128;               // instants whose results stay in the first cache
+inline constexpr std::size_t kStreamedBytes = 4u << 20;  // results larger than this are written past the caches
 
 /// A block of rows, as structures or as separate arrays, each in its own aligned buffer or in the caller's arrays.
 template <class At>
@@ -251,8 +269,8 @@ inline void block_of_structures(const At& at, const double* t_high, const double
 }
 
 template <class At>
-inline void block_of_arrays(const At& at, const double* t_high, const double* t_low, std::size_t count, double (*q)[kBlock],
-                            double (*m)[kBlock]) {
+inline void block_of_arrays(const At& at, const double* t_high, const double* t_low, std::size_t count,
+                            double (*q)[kBlock], double (*m)[kBlock]) {
   for (std::size_t i = 0; i < count; i += kLanes) {
     const std::size_t here = count - i < kLanes ? count - i : kLanes;
     double high[kLanes] = {}, low[kLanes] = {};
@@ -277,8 +295,7 @@ template <class At>
 inline void batch_with(const At& at, const BatchArguments& a) {
   const bool with_m = a.m[0] != nullptr;
   const bool streamed = a.count * (with_m ? 7 : 4) * sizeof(double) > kStreamedBytes;
-  const bool structures =
-      rows_of_structures(a.q, 4, a.q_stride) && (!with_m || rows_of_structures(a.m, 3, a.m_stride));
+  const bool structures = rows_of_structures(a.q, 4, a.q_stride) && (!with_m || rows_of_structures(a.m, 3, a.m_stride));
   if (structures && !streamed) {
     return block_of_structures(at, a.t_high, a.t_low, a.count, a.q[0], with_m ? a.m[0] : nullptr);
   }

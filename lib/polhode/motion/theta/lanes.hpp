@@ -61,7 +61,7 @@ inline double all<double>(double a) {
 }
 template <>
 inline Lanes all<Lanes>(double a) {
-  return Lanes{} + a;
+  return a - Lanes{};  // a broadcast: a - 0 is a for every a
 }
 
 // sqrt, and fma where the machine has it. Elsewhere the text below asks for two_product and multiply_add separately.
@@ -96,6 +96,11 @@ template <class V>
 inline V product_error(V a, V b, V product) {
   return multiply_add(a, b, -product);
 }
+/// a b - c with one rounding
+template <class V>
+inline V product_minus(V a, V b, V c) {
+  return multiply_add(a, b, -c);
+}
 #else
 template <class V>
 inline V multiply_add(V a, V b, V c) {
@@ -109,6 +114,12 @@ inline V product_error(V a, V b, V product) {
   const V ah = ta - (ta - a), bh = tb - (tb - b);
   const V al = a - ah, bl = b - bh;
   return ((ah * bh - product) + ah * bl + al * bh) + al * bl;
+}
+/// a b - c with one rounding where c is near a b
+template <class V>
+inline V product_minus(V a, V b, V c) {
+  const V product = a * b;
+  return (product - c) + product_error(a, b, product);
 }
 #endif
 
@@ -150,6 +161,20 @@ inline V flip(V a, typename BitsOf<V>::type sign) {
 template <class V>
 inline V magnitude(V a) {
   return value<V>(bits(a) & INT64_MAX);
+}
+
+/// True if a lane of a is above the limit or NaN.
+inline bool any_above(double a, double limit) { return !(a <= limit); }
+inline bool any_above(Lanes a, double limit) {
+#if defined(__AVX512F__)
+  return _mm512_cmp_pd_mask(a, all<Lanes>(limit), _CMP_NLE_UQ) != 0;
+#elif defined(__AVX2__)
+  return _mm256_movemask_pd(_mm256_cmp_pd(a, all<Lanes>(limit), _CMP_NLE_UQ)) != 0;
+#else
+  bool above = false;
+  for (int i = 0; i < kLanes; ++i) above = above || !(a[i] <= limit);
+  return above;
+#endif
 }
 
 inline double smaller(double a, double b) { return b < a ? b : a; }
@@ -197,7 +222,8 @@ inline void store_rows_of_4(double* p, const Lanes (&c)[4]) {
   const __m512d ab_low = _mm512_unpacklo_pd(c[0], c[1]), ab_high = _mm512_unpackhi_pd(c[0], c[1]);
   const __m512d cd_low = _mm512_unpacklo_pd(c[2], c[3]), cd_high = _mm512_unpackhi_pd(c[2], c[3]);
   // 128-bit blocks: ab_low = rows 0 2 4 6, ab_high = rows 1 3 5 7.
-  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11), second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
+                second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
   const __m512d rows_02 = _mm512_permutex2var_pd(ab_low, first, cd_low);
   const __m512d rows_46 = _mm512_permutex2var_pd(ab_low, second, cd_low);
   const __m512d rows_13 = _mm512_permutex2var_pd(ab_high, first, cd_high);

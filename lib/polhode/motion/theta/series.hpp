@@ -5,7 +5,7 @@
 namespace polhode::theta {
 
 // The constants of a motion as the evaluation at an instant needs them: plain doubles, one struct per chart. Formulas
-// and letters: theta.md beside this file. Time in seconds, phases in turns.
+// and letters: theta.md beside this file. Time in seconds, phases in quarter turns.
 
 inline constexpr int kMaxDegree = 3;
 
@@ -15,29 +15,31 @@ struct TwoPart {
   double low;
 };
 
-/// q(t) = cosine cos(2 pi turns) + sine sin(2 pi turns): the momentum is constant in the body.
+/// q(t) = cosine cos(a) + sine sin(a), a = quarters_per_s t quarter turns: the momentum is constant in the body.
 struct FixedAxis {
-  TwoPart turns_per_s;
+  TwoPart quarters_per_s;
   double cosine[4];  ///< quaternions, scalar first
   double sine[4];
   double momentum[3];
 };
 
-/// What both charts share: q = frame . (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} / sqrt(N), and the momentum in
-/// canonical axes, multiplied by `momentum_scale` (+-G) and, in long-axis mode, first and third exchanged.
+/// What both charts share: q = frame . (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} / sqrt(N), and the momentum
+/// in canonical axes, multiplied by `momentum_scale` (+-G) and, in long-axis mode, first and third exchanged.
 struct Frame {
   double frame[4][4];
   double momentum_scale[3];  ///< of canonical component 1, 2, 3
   bool exchange_1_3;
 };
 
-/// First chart: with v = 2 pi (v_turns_per_s t + v_turns_at_0), c = cos 2v, polynomials in c of the given degree:
+/// First chart: with v = pi/2 (v_quarters_per_s t + v_quarters_at_0 + v_whole_quarters_at_0), c = cos 2v, polynomials
+/// in c of the given degree:
 ///   Re alpha = p0(c), Im alpha = sin 2v p1(c), Re beta = sin v p2(c), Im beta = cos v p3(c).
 struct FourierChart {
   Frame frame;
-  TwoPart rho_turns_per_s;
-  TwoPart v_turns_per_s;
-  TwoPart v_turns_at_0;
+  TwoPart rho_quarters_per_s;
+  TwoPart v_quarters_per_s;
+  double v_quarters_at_0;        ///< at most 1/2, to be added to
+  double v_whole_quarters_at_0;  ///< -1, 0 or 1
   int degree;
   double polynomial[4][kMaxDegree + 1];
 };
@@ -46,16 +48,16 @@ struct FourierChart {
 /// Y = e^{|x| - x_period / 2}, and s the sign of x:
 ///   Re alpha = p0(Y) + E p4(E)             Im alpha = s (p1(Y) - E p5(E))
 ///   Re beta = (-1)^n s (p2(Y) - E p6(E))   Im beta = (-1)^n (p3(Y) + E p7(E))
-/// both times e^{2 pi i x x_to_turns}, to be combined with e^{i rho t}.
+/// both times e^{i pi/2 x x_to_quarters}, to be combined with e^{i rho t}.
 struct HyperbolicChart {
   Frame frame;
-  TwoPart rho_turns_per_s;
+  TwoPart rho_quarters_per_s;
   TwoPart x_per_s;
   TwoPart x_at_0;
   TwoPart x_period;  ///< 1e300 where infinite
   double reciprocal_x_period;
   double root_of_nome_bound;  ///< Q = e^{-x_period / 2}
-  double x_to_turns;
+  double x_to_quarters;
   int degree;
   double polynomial[8][kMaxDegree + 1];
 };
