@@ -6,11 +6,18 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/theta.hpp"
 
 namespace polhode {
 
 std::span<const Method> methods() {
-  static const std::vector<Method> all{};
+  static const std::vector<Method> all{
+      {"theta", "exact", "exact", "everything", "nowhere known", "theta.md; Jacobi 1850",
+       [](const FreeBody& body) -> std::unique_ptr<FreeMotion> { return std::make_unique<ThetaMotion>(body); },
+       [](const FreeBody& body) -> std::unique_ptr<FreeMotion> {
+         return std::make_unique<ThetaMotion>(body, ThetaMotion::Span::step);
+       }},
+  };
   return all;
 }
 

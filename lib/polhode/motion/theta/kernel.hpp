@@ -64,10 +64,10 @@ template <class V>
   V rest = multiply_add(t_low, rate, t_high * quarters_per_s.low);
   if (any_above(magnitude(about), kSafeQuarters)) [[unlikely]] {
     const V product = t_high * rate;
-    const V whole = nearest_integer(product * 0.25) * 4.0;
+    const V turns = nearest_integer(product * 0.25) * 4.0;
     rest = rest + product_error(t_high, rate, product);
     rest = rest - nearest_integer(rest * 0.25) * 4.0;
-    const V y = ((product - whole) + offset) + rest;
+    const V y = ((product - turns) + offset) + rest;
     const V shifted = y + magic;
     return {y - (shifted - magic), bits(shifted)};
   }
