@@ -6,17 +6,30 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/legendre.hpp"
 #include "polhode/motion/theta.hpp"
 
 namespace polhode {
 
 std::span<const Method> methods() {
   static const std::vector<Method> all{
-      {"theta", "exact", "exact", "everything", "nowhere known", "theta.md; Jacobi 1850",
-       [](const FreeBody& body) -> std::unique_ptr<FreeMotion> { return std::make_unique<ThetaMotion>(body); },
-       [](const FreeBody& body) -> std::unique_ptr<FreeMotion> {
+      {.name = "theta",
+       .kind = "exact",
+       .order = "exact",
+       .conserves = "everything",
+       .fails = "nowhere known",
+       .source = "theta.md; Jacobi 1850",
+       .make = [](const FreeBody& body) -> std::unique_ptr<FreeMotion> { return std::make_unique<ThetaMotion>(body); },
+       .make_short = [](const FreeBody& body) -> std::unique_ptr<FreeMotion> {
          return std::make_unique<ThetaMotion>(body, ThetaMotion::Span::step);
        }},
+      {.name = "legendre",
+       .kind = "exact",
+       .order = "exact",
+       .conserves = "everything",
+       .fails = "nowhere known",
+       .source = "legendre.md; Leroy 2020, On an Article by Celledoni et al.",
+       .make = make_legendre},
   };
   return all;
 }
