@@ -27,6 +27,7 @@ struct Body {
   std::string source;  ///< where the numbers come from, in the file's words
   std::optional<Inertia> inertia;
   std::optional<SpinState> state;
+  std::vector<std::string> missing;   ///< what a propagation would need and the file does not give; empty: complete
   std::vector<std::string> notes;     ///< what was understood, for people
   std::vector<std::string> warnings;  ///< what was assumed or looks doubtful
 };

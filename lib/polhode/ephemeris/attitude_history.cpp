@@ -1,0 +1,190 @@
+#include "polhode/ephemeris/attitude_history.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "polhode/base/error.hpp"
+
+namespace polhode {
+namespace {
+
+using Vector4 = Eigen::Vector4d;
+
+/// More rows make no better polynomial.
+constexpr std::size_t most_nodes = 32;
+
+bool before(const Instant& a, const AttitudeSample& b) { return a < b.time; }
+
+/// The rotation vector of q: its axis times its angle, 0 to pi.
+Vector3 rotation_vector(const Quaternion& q) {
+  const double sine = q.vec().norm();
+  if (sine == 0.0) return Vector3::Zero();
+  const double half = std::atan2(sine, std::abs(q.w()));
+  return (std::copysign(2.0 * half, q.w()) / sine) * q.vec();
+}
+
+Quaternion from_rotation_vector(const Vector3& v) {
+  const double angle = v.norm();
+  const double sinc = angle < 1e-8 ? 0.5 : std::sin(0.5 * angle) / angle;
+  Quaternion q;
+  q.w() = std::cos(0.5 * angle);
+  q.vec() = sinc * v;
+  return q;
+}
+
+/// The rotation vector, in body axes, that leads from a to b in `span_s` seconds: the one nearest to what the rates
+/// say.
+Vector3 turn_between(const AttitudeSample& a, const AttitudeSample& b, double span_s) {
+  const Vector3 shortest = rotation_vector(a.q_frame_from_body.conjugate() * b.q_frame_from_body);
+  if (!a.omega_body_rad_s || !b.omega_body_rad_s) return shortest;
+  const Vector3 expected = 0.5 * span_s * (*a.omega_body_rad_s + *b.omega_body_rad_s);
+  const double angle = shortest.norm();
+  // After a whole number of turns the axis is lost: take that of the rates.
+  const Vector3 axis = angle > 1e-9 ? Vector3(shortest / angle) : Vector3(expected.normalized());
+  const double turns = std::round((expected.dot(axis) - angle) / (2.0 * std::numbers::pi));
+  return shortest + 2.0 * std::numbers::pi * turns * axis;
+}
+
+/// A polynomial in Newton's form through values, and derivatives where a node stands twice, with its derivative.
+/// Nodes in units of the gap around the instant.
+struct Newton {
+  std::vector<double> nodes;
+  std::vector<Vector4> coefficients;
+
+  std::array<Vector4, 2> at(double x) const {
+    Vector4 value = coefficients.back();
+    Vector4 slope = Vector4::Zero();
+    for (std::size_t k = coefficients.size() - 1; k-- > 0;) {
+      slope = slope * (x - nodes[k]) + value;
+      value = value * (x - nodes[k]) + coefficients[k];
+    }
+    return {value, slope};
+  }
+};
+
+Newton newton(const std::vector<double>& x, const std::vector<Vector4>& values, const std::vector<Vector4>& slopes) {
+  Newton p;
+  std::vector<Vector4> column;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    for (int copy = 0; copy < (slopes.empty() ? 1 : 2); ++copy) {
+      p.nodes.push_back(x[i]);
+      column.push_back(values[i]);
+    }
+  }
+  const std::size_t n = column.size();
+  p.coefficients.push_back(column[0]);
+  for (std::size_t order = 1; order < n; ++order) {
+    for (std::size_t i = 0; i + order < n; ++i) {
+      const double gap = p.nodes[i + order] - p.nodes[i];
+      if (order == 1 && gap == 0.0) {
+        column[i] = slopes[i / 2];
+      } else {
+        column[i] = (column[i + 1] - column[i]) / gap;
+      }
+    }
+    p.coefficients.push_back(column[0]);
+  }
+  return p;
+}
+
+Vector4 components(const Quaternion& q) { return q.coeffs(); }  // x, y, z, w; only taken apart and put together here
+
+Quaternion of_components(const Vector4& c) { return Quaternion(c[3], c[0], c[1], c[2]); }
+
+}  // namespace
+
+std::string_view name(AttitudeInterpolation method) {
+  switch (method) {
+    case AttitudeInterpolation::linear:
+      return "LINEAR";
+    case AttitudeInterpolation::lagrange:
+      return "LAGRANGE";
+    case AttitudeInterpolation::hermite:
+      return "HERMITE";
+  }
+  return "";
+}
+
+bool AttitudeSegment::has_rates() const {
+  return std::all_of(samples.begin(), samples.end(),
+                     [](const AttitudeSample& s) { return s.omega_body_rad_s.has_value(); });
+}
+
+std::size_t AttitudeHistory::rows() const {
+  std::size_t sum = 0;
+  for (const AttitudeSegment& s : segments) sum += s.samples.size();
+  return sum;
+}
+
+const AttitudeSegment* AttitudeHistory::segment_at(Instant time) const {
+  const AttitudeSegment* fallback = nullptr;
+  for (const AttitudeSegment& s : segments) {
+    if (time < s.samples.front().time || s.samples.back().time < time) continue;
+    if ((!s.usable_start || !(time < *s.usable_start)) && (!s.usable_stop || !(*s.usable_stop < time))) return &s;
+    if (fallback == nullptr) fallback = &s;
+  }
+  return fallback;
+}
+
+AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
+  const std::vector<AttitudeSample>& rows = segment.samples;
+  if (rows.empty() || time < rows.front().time || rows.back().time < time) {
+    throw InputError("an attitude is asked for outside of the rows of its segment");
+  }
+  // The rows on both sides: left <= time, right > time.
+  auto right = static_cast<std::size_t>(std::upper_bound(rows.begin(), rows.end(), time, before) - rows.begin());
+  if (rows[right - 1].time == time && (rows[right - 1].omega_body_rad_s || rows.size() == 1)) return rows[right - 1];
+  right = std::min(right, rows.size() - 1);
+  const std::size_t left = right - 1;
+  const double span_s = (rows[right].time - rows[left].time).high;
+  const double x = (time - rows[left].time).high / span_s;
+  const bool rates = segment.has_rates();
+  const Vector3 turn = turn_between(rows[left], rows[right], span_s);
+  const Quaternion base = rows[left].q_frame_from_body;
+  AttitudeSample out;
+  out.time = time;
+
+  const auto degree = static_cast<std::size_t>(std::max(segment.degree, 1));
+  const bool use_rates = rates && segment.method == AttitudeInterpolation::hermite;
+  std::size_t count = use_rates ? (std::min(degree, 2 * most_nodes) + 1) / 2 : std::min(degree, most_nodes) + 1;
+  count = std::clamp<std::size_t>(count, 2, std::min(most_nodes, rows.size()));
+  if (segment.method == AttitudeInterpolation::linear || (count == 2 && !use_rates)) {
+    out.q_frame_from_body = (base * from_rotation_vector(x * turn)).normalized();
+    out.omega_body_rad_s = turn / span_s;
+    return out;
+  }
+
+  // Components relative to the steady rotation: they stay near (0, 0, 0, 1), whatever the number of turns.
+  const std::size_t first = std::min(right > count / 2 ? right - count / 2 : 0, rows.size() - count);
+  std::vector<double> nodes;
+  std::vector<Vector4> values;
+  std::vector<Vector4> slopes;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const double node = (rows[i].time - rows[left].time).high / span_s;
+    Quaternion p = (base * from_rotation_vector(node * turn)).conjugate() * rows[i].q_frame_from_body;
+    if (p.w() < 0.0) p.coeffs() *= -1.0;
+    nodes.push_back(node);
+    values.push_back(components(p));
+    if (use_rates) {
+      // q = r p with r' = r turn/2 and q' = q omega/2: p' = (p omega - turn p) / 2, per unit of x.
+      Quaternion omega;
+      omega.w() = 0.0;
+      omega.vec() = span_s * *rows[i].omega_body_rad_s;
+      Quaternion steady;
+      steady.w() = 0.0;
+      steady.vec() = turn;
+      slopes.push_back(0.5 * (components(p * omega) - components(steady * p)));
+    }
+  }
+  const auto [value, slope] = newton(nodes, values, slopes).at(x);
+  const Quaternion p = of_components(value);
+  out.q_frame_from_body = (base * from_rotation_vector(x * turn) * p).normalized();
+  const Quaternion unit = p.normalized();
+  const Vector3 rate = unit.conjugate() * turn + 2.0 * (unit.conjugate() * of_components(slope / p.norm())).vec();
+  out.omega_body_rad_s = rate / span_s;
+  return out;
+}
+
+}  // namespace polhode

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polhode/base/geometry.hpp"
+#include "polhode/frames/frame.hpp"
+#include "polhode/time/scale.hpp"
+
+namespace polhode {
+
+/// A row of an attitude history.
+struct AttitudeSample {
+  Instant time;
+  Quaternion q_frame_from_body;  ///< unit, either sign: v_frame = q v_body q*
+  std::optional<Vector3> omega_body_rad_s;
+};
+
+/// How to go between rows. The words are those of CCSDS 504.0-B.
+enum class AttitudeInterpolation { linear, lagrange, hermite };
+
+/// "LINEAR", "LAGRANGE", "HERMITE".
+std::string_view name(AttitudeInterpolation method);
+
+/// Rows that belong together: no interpolation leads from one segment to the next.
+struct AttitudeSegment {
+  std::string frame;                 ///< the reference frame, as the file names it
+  std::string body;                  ///< the body axes, as the file names them
+  std::optional<Frame> known_frame;  ///< of `frame`, if it is inertial
+  AttitudeInterpolation method = AttitudeInterpolation::linear;
+  int degree = 1;
+  std::optional<Instant> usable_start;  ///< where the file says that interpolation is good, if it does
+  std::optional<Instant> usable_stop;
+  std::vector<AttitudeSample> samples;  ///< at least one, times increasing
+
+  /// Whether every row has a rate.
+  bool has_rates() const;
+};
+
+/// An attitude given by rows.
+struct AttitudeHistory {
+  std::string object;
+  std::string source;
+  TimeScale scale = TimeScale::utc;  ///< as written
+  bool absolute_time = true;         ///< false: a clock of the spacecraft, only differences count
+  std::vector<AttitudeSegment> segments;
+  std::vector<std::string> notes;
+  std::vector<std::string> warnings;
+
+  std::size_t rows() const;
+
+  /// The segment to use at an instant: the first whose usable span holds it, else the first whose rows do, else null.
+  const AttitudeSegment* segment_at(Instant time) const;
+};
+
+/// Attitude and rate at an instant within the rows of a segment, by its method and degree:
+/// - the rows on both sides of the instant are joined by the rotation with constant rate that fits them. With rates it
+///   is the one that the rates ask for, of any number of turns; without, the shortest, below 180 deg.
+/// - LINEAR is that rotation. LAGRANGE of degree n adds the polynomial of degree n through the n + 1 rows around the
+///   instant, in the components of the quaternion relative to that rotation. HERMITE of degree n fits the rates as
+///   well, with (n + 1) / 2 rows; without rates it is LAGRANGE. Fewer rows if the segment is short.
+///
+/// Rows are met exactly. `time` outside of the rows: InputError.
+AttitudeSample interpolate(const AttitudeSegment& segment, Instant time);
+
+/// Differences between two attitudes over time.
+struct AttitudeDifference {
+  std::size_t compared = 0;
+  std::size_t outside = 0;  ///< times of the first at which the second has no attitude
+  double largest_rad = 0.0;
+  double root_mean_square_rad = 0.0;
+  Instant time_of_largest;
+};
+
+}  // namespace polhode

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace polhode {
+
+/// `keyword = value [unit]` of a CCSDS message, or an XML element with its `units` attribute.
+struct CcsdsEntry {
+  std::string keyword;
+  std::string value;
+  std::string unit;  ///< empty: none given
+  std::size_t line = 0;
+};
+
+/// A data line of numbers. KVN and the lines of an ACM have values without keywords, an attitudeState of XML has both.
+struct CcsdsRow {
+  std::vector<CcsdsEntry> cells;
+  std::size_t line = 0;
+};
+
+/// What stands between X_START and X_STOP, in the file's order of each kind. Comments are left out.
+struct CcsdsBlock {
+  std::string name;      ///< "QUAT", "META", "SENSOR" …
+  std::size_t line = 0;  ///< of its start
+  std::vector<CcsdsEntry> entries;
+  std::vector<CcsdsRow> rows;
+  std::vector<CcsdsBlock> blocks;
+};
+
+struct CcsdsSegment {
+  CcsdsBlock metadata;
+  CcsdsBlock data;
+};
+
+/// An attitude message, the same from KVN (CCSDS 504.0-B-2 section 6) and from XML (section 7).
+struct CcsdsMessage {
+  std::string kind;     ///< "APM", "AEM" or "ACM"
+  std::string version;  ///< as written
+  bool xml = false;
+  CcsdsBlock header;  ///< its line is that of the version
+  std::vector<CcsdsSegment> segments;
+};
+
+/// The attitude messages of a file, and what else a combined message holds.
+struct CcsdsFile {
+  std::vector<CcsdsMessage> messages;
+  std::vector<std::string> other_messages;  ///< "OPM" … in an NDM, not read
+};
+
+/// Whether the text starts like a CCSDS navigation message, in KVN or XML.
+bool is_ccsds(std::string_view text);
+
+/// Splits a file into messages, segments, blocks and entries, without regard to which keywords may stand where. Throws
+/// InputError with file and line: lines that are neither `keyword = value`, comment, start or stop of a block nor data;
+/// blocks that do not nest; broken XML; elements that no message has; a kind of message other than APM, AEM and ACM.
+CcsdsFile parse_ccsds(std::string_view text, const std::string& name);
+
+}  // namespace polhode
