@@ -21,15 +21,26 @@ struct SpinState {
   std::optional<Vector3> omega_named_rad_s;
 };
 
+/// An attitude between frames that a file names; they need not be inertial.
+struct StatedAttitude {
+  std::string block;                 ///< where in the file: "QUAT", "EULER", "SPIN", "ATT"
+  std::string frame;                 ///< reference frame, as named
+  std::string body;                  ///< body axes, as named
+  std::optional<Frame> known_frame;  ///< of `frame`, if it is inertial
+  Quaternion q_frame_from_body;
+  std::optional<Vector3> omega_body_rad_s;  ///< relative to `frame`
+};
+
 /// A body as read from a file.
 struct Body {
   std::string name;
   std::string source;  ///< where the numbers come from, in the file's words
   std::optional<Inertia> inertia;
   std::optional<SpinState> state;
-  std::vector<std::string> missing;   ///< what a propagation would need and the file does not give; empty: complete
-  std::vector<std::string> notes;     ///< what was understood, for people
-  std::vector<std::string> warnings;  ///< what was assumed or looks doubtful
+  std::vector<StatedAttitude> attitudes;  ///< all that the file states, where `state` is chosen among several
+  std::vector<std::string> missing;       ///< what a propagation would need and the file does not give; empty: complete
+  std::vector<std::string> notes;         ///< what was understood, for people
+  std::vector<std::string> warnings;      ///< what was assumed or looks doubtful
 };
 
 }  // namespace polhode

@@ -6,6 +6,11 @@ namespace polhode {
 
 FreeBody free_body(const Body& body, Frame inertial) {
   const auto missing = [&](const char* what) { return InputError("body '" + body.name + "' has no " + what); };
+  if (!body.missing.empty()) {
+    std::string lacks;
+    for (const std::string& what : body.missing) lacks += (lacks.empty() ? "" : ", and ") + what;
+    throw InputError("body '" + body.name + "' cannot be propagated; it lacks " + lacks);
+  }
   if (!body.inertia) throw missing("inertia: motion needs it");
   if (!body.state) throw missing("state: motion needs an attitude and a rate at an epoch");
   if (!body.state->q_frame_from_named) throw missing("attitude at its epoch");

@@ -587,7 +587,7 @@ class Reader {
     if (f.all_or_none({"Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT"})) {
       k.omega_end_rad_s = omega_from_derivative(k.q_start_from_end, four(f, "Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT"));
     }
-    out_.attitudes.push_back(stated(k, "QUAT"));
+    out_.body.attitudes.push_back(stated(k, "QUAT"));
   }
 
   /// `direction`: the keyword that may say B2A, or empty.
@@ -654,11 +654,11 @@ class Reader {
     } else {
       // Rates alone, as version 1 allows: the angles are those of the quaternion between the same frames.
       const StatedAttitude* known = nullptr;
-      for (const StatedAttitude& s : out_.attitudes) {
+      for (const StatedAttitude& s : out_.body.attitudes) {
         if (same_frame(s.frame, k.start) && same_frame(s.body, k.end)) known = &s;
       }
       const StatedAttitude* turned = nullptr;
-      for (const StatedAttitude& s : out_.attitudes) {
+      for (const StatedAttitude& s : out_.body.attitudes) {
         if (same_frame(s.frame, k.end) && same_frame(s.body, k.start)) turned = &s;
       }
       if (known == nullptr && turned == nullptr) {
@@ -674,7 +674,7 @@ class Reader {
       k.omega_end_rad_s = omega_body_rad_s(axes, angles, rates);
       if (v1) warn_v1_rates();
     }
-    out_.attitudes.push_back(stated(k, "EULER"));
+    out_.body.attitudes.push_back(stated(k, "EULER"));
   }
 
   void warn_v1_rates() {
@@ -708,7 +708,7 @@ class Reader {
     const auto [q, omega] = spin_kinematics(s);
     k.q_start_from_end = q;
     k.omega_end_rad_s = omega;
-    out_.attitudes.push_back(stated(k, "SPIN"));
+    out_.body.attitudes.push_back(stated(k, "SPIN"));
   }
 
   void read_apm_inertia(const CcsdsBlock& block, bool v1) {
@@ -766,7 +766,7 @@ class Reader {
       const std::string c = frame_name(f, "ANGVEL_FRAME");
       const Vector3 omega = degree * Vector3(f.number("ANGVEL_X"), f.number("ANGVEL_Y"), f.number("ANGVEL_Z"));
       bool used = false;
-      for (StatedAttitude& s : out_.attitudes) {
+      for (StatedAttitude& s : out_.body.attitudes) {
         const bool same = same_frame(s.frame, a) && same_frame(s.body, b);
         const bool turned = same_frame(s.frame, b) && same_frame(s.body, a);
         if (!same && !turned) continue;
@@ -796,7 +796,7 @@ class Reader {
       return (s.known_frame ? 4 : 0) + (fits ? 2 : 0);
     };
     const StatedAttitude* best = nullptr;
-    for (const StatedAttitude& s : out_.attitudes) {
+    for (const StatedAttitude& s : out_.body.attitudes) {
       if (best == nullptr || score(s) > score(*best)) best = &s;
     }
     if (best == nullptr) {
@@ -809,7 +809,7 @@ class Reader {
       return;
     }
     std::optional<Vector3> omega = best->omega_body_rad_s;
-    for (const StatedAttitude& s : out_.attitudes) {
+    for (const StatedAttitude& s : out_.body.attitudes) {
       if (&s == best || !same_frame(s.frame, best->frame) || !same_frame(s.body, best->body)) continue;
       const double apart = rotation_angle_rad(s.q_frame_from_body, best->q_frame_from_body);
       if (apart > 1e-3) {
@@ -1156,6 +1156,7 @@ class Reader {
       const AttitudeSample& row = chosen->samples.front();
       const StatedAttitude a{
           "ATT", chosen->frame, chosen->body, chosen->known_frame, row.q_frame_from_body, row.omega_body_rad_s};
+      out_.body.attitudes.push_back(a);
       set_state(a, row.omega_body_rad_s, row.time);
     } else {
       require("an attitude (ATT block)");

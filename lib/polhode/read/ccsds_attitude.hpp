@@ -10,22 +10,11 @@
 
 namespace polhode {
 
-/// An attitude as a CCSDS message states it, led to: body axes in a reference frame.
-struct StatedAttitude {
-  std::string block;  ///< "QUAT", "EULER", "SPIN" or "ATT"
-  std::string frame;  ///< reference frame, as named
-  std::string body;   ///< body axes, as named
-  std::optional<Frame> known_frame;
-  Quaternion q_frame_from_body;
-  std::optional<Vector3> omega_body_rad_s;
-};
-
 /// One attitude message: APM 1.0 or 2.0, AEM 1.0 or 2.0, ACM 2.0.
 struct CcsdsAttitudeMessage {
   std::string kind;                        ///< "APM", "AEM", "ACM"
   std::string version;                     ///< "1.0", "2.0"
   Body body;                               ///< its inertia and state; `body.missing` says what a propagation would need
-  std::vector<StatedAttitude> attitudes;   ///< of an APM, in the file's order
   std::optional<AttitudeHistory> history;  ///< of an AEM, and of the attitude blocks of an ACM
 };
 
