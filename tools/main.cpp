@@ -19,6 +19,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   polhode::tools::add_eval(app);
   polhode::tools::add_methods(app);
+  polhode::tools::add_bench(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -1,5 +1,7 @@
 #include "polhode/motion/motion.hpp"
 
+#include "polhode/base/parallel.hpp"
+
 namespace polhode {
 
 void FreeMotion::batch(const TimeArrays& times, const StateArrays& out) const {
@@ -12,6 +14,19 @@ void FreeMotion::batch(const TimeArrays& times, const StateArrays& out) const {
       for (int k = 0; k < 3; ++k) out.m[k][row * out.m_stride] = s.momentum_body[k];
     }
   }
+}
+
+void batch_threads(const FreeMotion& motion, const TimeArrays& times, const StateArrays& out, unsigned thread_count) {
+  constexpr std::size_t kGrain = 512;  // batches work in blocks of a divisor of this
+  parallel_chunks(times.high.size(), kGrain, thread_count, [&](std::size_t begin, std::size_t end) {
+    const TimeArrays part{times.high.subspan(begin, end - begin),
+                          times.low.empty() ? times.low : times.low.subspan(begin, end - begin)};
+    const auto row = static_cast<std::ptrdiff_t>(begin);
+    StateArrays part_out = out;
+    for (double*& q : part_out.q) q += row * out.q_stride;
+    for (double*& m : part_out.m) m = m == nullptr ? nullptr : m + row * out.m_stride;
+    motion.batch(part, part_out);
+  });
 }
 
 }  // namespace polhode

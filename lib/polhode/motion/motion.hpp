@@ -64,4 +64,8 @@ class FreeMotion {
   virtual void batch(const TimeArrays& times, const StateArrays& out) const;
 };
 
+/// FreeMotion::batch on several threads, 0 meaning one per core. The results are the same bits for every thread count.
+void batch_threads(const FreeMotion& motion, const TimeArrays& times, const StateArrays& out,
+                   unsigned thread_count = 0);
+
 }  // namespace polhode

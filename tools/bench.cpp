@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <memory>
+#include <numeric>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "output.hpp"
+#include "polhode/base/error.hpp"
+#include "polhode/base/parallel.hpp"
+#include "polhode/motion/methods.hpp"
+#include "polhode/read/case_file.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+namespace {
+
+struct BenchOptions {
+  std::string case_file;
+  std::string method = "auto";
+  std::size_t count = 0;
+};
+
+constexpr int kRounds = 9;  // every quantity is measured in each round; the median counts
+
+/// The measurements of one quantity, in nanoseconds per item.
+class Quantity {
+ public:
+  template <class Work>
+  void measure(std::size_t items, const Work& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::nano> elapsed = std::chrono::steady_clock::now() - start;
+    ns_[static_cast<std::size_t>(rounds_++)] = elapsed.count() / static_cast<double>(items);
+  }
+  double median() const {
+    std::array<double, kRounds> sorted = ns_;
+    std::sort(sorted.begin(), sorted.end());
+    return sorted[kRounds / 2];
+  }
+
+ private:
+  std::array<double, kRounds> ns_{};
+  int rounds_ = 0;
+};
+
+/// Times drawn evenly over the case's own range; the order is that of the draw, the same in every run.
+std::vector<double> irregular_times(const std::vector<double>& own, std::size_t count) {
+  const auto [first, last] = std::minmax_element(own.begin(), own.end());
+  std::mt19937_64 random(20200602);
+  std::vector<double> times(count);
+  for (double& t : times) {
+    const double fraction = std::ldexp(static_cast<double>(random() >> 11), -53);  // std distributions vary by library
+    t = std::lerp(*first, *last, fraction);
+  }
+  return times;
+}
+
+void bench(const BenchOptions& options) {
+  const Method& chosen = method(options.method);
+  const CaseFile wanted = read_case_file(options.case_file);
+  const auto make_short = chosen.make_short != nullptr ? chosen.make_short : chosen.make;
+  const std::unique_ptr<FreeMotion> motion = chosen.make(wanted.body);
+
+  const std::size_t count = options.count;
+  const std::vector<double> times = irregular_times(wanted.times_s, count);
+  const TimeArrays instants{times};
+  std::vector<double> q(4 * count), m(3 * count), copied(7 * count), source(7 * count, 1.0);
+  const StateArrays both = StateArrays::of_structures(q.data(), m.data());
+  const StateArrays attitude = StateArrays::of_structures(q.data(), nullptr);
+  const std::size_t builds = std::clamp<std::size_t>(count / 100, 1, 1000);
+
+  Quantity construct, construct_short, single, batch, batch_attitude, copy, threads, copy_threads;
+  double checksum = 0.0;
+  const auto build = [&](auto make) {
+    for (std::size_t i = 0; i < builds; ++i) {
+      FreeBody body = wanted.body;
+      body.momentum_body *= 1.0 + 1e-9 * static_cast<double>(i);  // never the same body twice
+      checksum += make(body)->at(0.0).momentum_body[0];
+    }
+  };
+  const auto copy_items = [&](std::size_t begin, std::size_t end) {
+    std::memcpy(copied.data() + 7 * begin, source.data() + 7 * begin, 7 * sizeof(double) * (end - begin));
+  };
+  for (int round = 0; round < kRounds; ++round) {
+    construct.measure(builds, [&] { build(chosen.make); });
+    construct_short.measure(builds, [&] { build(make_short); });
+    single.measure(count, [&] {
+      for (const double t : times) {
+        const FreeState s = motion->at(t);
+        checksum += s.q_inertial_from_body.w() + s.momentum_body[0];
+      }
+    });
+    batch.measure(count, [&] { motion->batch(instants, both); });
+    batch_attitude.measure(count, [&] { motion->batch(instants, attitude); });
+    copy.measure(count, [&] { copy_items(0, count); });
+    threads.measure(count, [&] { batch_threads(*motion, instants, both); });
+    copy_threads.measure(count, [&] { parallel_chunks(count, 512, 0, copy_items); });
+    // Each copy differs from the last, so that none can be left out.
+    source[static_cast<std::size_t>(round) % source.size()] += copied[count / 2];
+  }
+  checksum += std::accumulate(q.begin(), q.end(), 0.0) + std::accumulate(m.begin(), m.end(), 0.0) +
+              std::accumulate(copied.begin(), copied.end(), 0.0);
+
+  write_standard_output(fmt::format(
+      "method={}\ncount={}\nconstruct_ns={:.1f}\nconstruct_short_ns={:.1f}\nsingle_ns={:.2f}\nbatch_ns={:.2f}\n"
+      "batch_attitude_ns={:.2f}\ncopy_ns={:.2f}\nthreads_ns={:.2f}\ncopy_threads_ns={:.2f}\nchecksum={:.17g}\n",
+      chosen.name, count, construct.median(), construct_short.median(), single.median(), batch.median(),
+      batch_attitude.median(), copy.median(), threads.median(), copy_threads.median(), checksum));
+  if (!std::isfinite(checksum)) throw CheckFailed(fmt::format("method {} gave rows that are not finite", chosen.name));
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app) {
+  auto options = std::make_shared<BenchOptions>();
+  CLI::App* command =
+      app.add_subcommand("bench", "Time a method on a case file: nanoseconds per item, key=value lines");
+  command->add_option("--method", options->method, "Name from `polhode methods`, or auto")->capture_default_str();
+  command->add_option("CASEFILE", options->case_file, "Body at t = 0; its times give the range")->required();
+  command->add_option("COUNT", options->count, "How many times")->required()->check(CLI::Range(1, 100'000'000));
+  command->callback([options] { bench(*options); });
+}
+
+}  // namespace polhode::tools
