@@ -18,6 +18,7 @@ int run(int argc, char** argv) {
   app.name("polhode");
   app.require_subcommand(1);
   polhode::tools::add_eval(app);
+  polhode::tools::add_info(app);
   polhode::tools::add_methods(app);
   polhode::tools::add_bench(app);
   try {

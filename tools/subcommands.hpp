@@ -15,6 +15,7 @@ class CheckFailed : public std::runtime_error {
 // FileError (3) or CheckFailed (1).
 void add_bench(CLI::App& app);
 void add_eval(CLI::App& app);
+void add_info(CLI::App& app);
 void add_methods(CLI::App& app);
 
 }  // namespace polhode::tools

@@ -75,6 +75,13 @@ TEST(Inertia, EnvisatPrincipalMoments) {
   EXPECT_EQ(inertia_tensor({1, 2, 3}, {4, 5, 6}, ProductsOfInertia::positive_integrals)(0, 2), -5.0);
 }
 
+TEST(Inertia, EllipsoidOfTheSameInertia) {
+  // Semi-axes 3, 2, 1: moments b^2 + c^2, a^2 + c^2, a^2 + b^2 (times mass / 5).
+  const Vector3 ratios = equivalent_ellipsoid_ratios(inertia_from_moments({5, 10, 13}, false));
+  EXPECT_LT((ratios - Vector3(1.0, 2.0 / 3.0, 1.0 / 3.0)).norm(), 2 * eps);
+  EXPECT_EQ(equivalent_ellipsoid_ratios(inertia_from_moments({1, 1, 2}, false))[2], 0.0) << "a disc";
+}
+
 TEST(Inertia, TheImpossibleIsRefused) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(inertia_from_moments({1, 2, 3.001}, false), InputError);
@@ -175,6 +182,19 @@ TEST(FreeBody, ExactRotationAboutTheMiddleAxisStaysExact) {
   EXPECT_EQ(momentum[0], 0.0);
   EXPECT_EQ(momentum[2], 0.0);
   EXPECT_EQ(std::abs(momentum[1]), 0.4);
+}
+
+TEST(FreeBody, TemeIsTakenAsItStandsAtTheEpoch) {
+  Body body;
+  body.inertia = inertia_from_moments({1, 2, 2}, false);
+  body.state = SpinState{};
+  body.state->epoch = parse_date("2020-06-01", TimeScale::utc);
+  body.state->frame = Frame::teme;
+  body.state->q_frame_from_named = Quaternion::Identity();
+  body.state->omega_named_rad_s = Vector3::UnitX();
+  EXPECT_LT(rotation_angle_rad(free_body(body).q_inertial_from_body, q_icrf_from(Frame::teme, body.state->epoch)),
+            4 * eps);
+  EXPECT_THROW(free_body(body, Frame::teme), InputError);
 }
 
 TEST(FreeBody, WhatIsMissingIsNamed) {

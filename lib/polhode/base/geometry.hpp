@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cmath>
+#include <numbers>
 
 namespace polhode {
 
@@ -25,6 +26,19 @@ inline Quaternion from_scalar_first(const Eigen::Vector4d& q) { return {q[0], q[
 inline double rotation_angle_rad(const Quaternion& a, const Quaternion& b) {
   const Quaternion difference = a.conjugate() * b;
   return 2.0 * std::atan2(difference.vec().norm(), std::abs(difference.w()));
+}
+
+/// A direction as longitude, 0 to 2 pi, and latitude, in the axes of its vector: right ascension and declination in an
+/// equatorial frame. The vector may have any length but 0.
+struct Direction {
+  double longitude_rad = 0.0;
+  double latitude_rad = 0.0;
+};
+
+inline Direction direction_of(const Vector3& v) {
+  const double longitude_rad = std::atan2(v.y(), v.x());
+  return {longitude_rad < 0.0 ? longitude_rad + 2.0 * std::numbers::pi : longitude_rad,
+          std::atan2(v.z(), std::hypot(v.x(), v.y()))};
 }
 
 }  // namespace polhode

@@ -105,4 +105,12 @@ Inertia inertia_from_moments(const Vector3& moments_named, bool absolute) {
   return inertia_from_tensor(moments_named.asDiagonal(), absolute);
 }
 
+Vector3 equivalent_ellipsoid_ratios(const Inertia& inertia) {
+  const auto [i1, i2, i3] =
+      std::array{inertia.principal_moments[0], inertia.principal_moments[1], inertia.principal_moments[2]};
+  const double longest = i2 - i1 + i3;  // 5 a^2 / mass, and so on
+  const double flattest = std::max(0.0, i1 - (i3 - i2));
+  return {1.0, std::sqrt((i1 + (i3 - i2)) / longest), std::sqrt(flattest / longest)};
+}
+
 }  // namespace polhode

@@ -40,4 +40,7 @@ Inertia inertia_from_tensor(const Matrix3& tensor, bool absolute);
 /// Moments about named axes that are principal, in any order: inertia_from_tensor of the diagonal tensor.
 Inertia inertia_from_moments(const Vector3& moments_named, bool absolute);
 
+/// Semi-axes a >= b >= c of the homogeneous ellipsoid with these moments, as parts of a: (1, b/a, c/a).
+Vector3 equivalent_ellipsoid_ratios(const Inertia& inertia);
+
 }  // namespace polhode

@@ -11,15 +11,17 @@ FreeBody free_body(const Body& body, Frame inertial) {
     for (const std::string& what : body.missing) lacks += (lacks.empty() ? "" : ", and ") + what;
     throw InputError("body '" + body.name + "' cannot be propagated; it lacks " + lacks);
   }
+  const Quaternion q_icrf_from_inertial = q_icrf_from(inertial);  // refuses a frame that turns
   FreeBody free;
   free.momentum_body = momentum_principal(body);
   if (!body.state->q_frame_from_named) throw InputError("body '" + body.name + "' has no attitude at its epoch");
   const Inertia& inertia = *body.inertia;
   free.principal_moments = inertia.principal_moments;
   const Quaternion q_frame_from_body = *body.state->q_frame_from_named * inertia.q_named_from_principal();
-  free.q_inertial_from_body = inertial == body.state->frame ? q_frame_from_body
-                                                            : q_icrf_from(inertial).conjugate() *
-                                                                  q_icrf_from(body.state->frame) * q_frame_from_body;
+  free.q_inertial_from_body =
+      inertial == body.state->frame
+          ? q_frame_from_body
+          : q_icrf_from_inertial.conjugate() * q_icrf_from(body.state->frame, body.state->epoch) * q_frame_from_body;
   return free;
 }
 

@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "output.hpp"
+#include "polhode/base/error.hpp"
+#include "polhode/body/invariants.hpp"
+#include "polhode/read/body.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr double hour_s = 3600.0;
+constexpr double day_s = 86400.0;
+constexpr double close_to_separatrix = 1e-4;
+
+constexpr const char* axis_words[3] = {"long", "intermediate", "short"};
+
+Json list(const Vector3& v) { return {v[0], v[1], v[2]}; }
+
+std::string duration(double seconds) {
+  if (!std::isfinite(seconds)) return "infinite";
+  if (seconds < 600.0) return fmt::format("{:.7g} s", seconds);
+  if (seconds < 2.0 * day_s) return fmt::format("{:.7g} h", seconds / hour_s);
+  return fmt::format("{:.7g} d ({:.7g} h)", seconds / day_s, seconds / hour_s);
+}
+
+std::string triple(const Vector3& v) { return fmt::format("{:.9g}, {:.9g}, {:.9g}", v[0], v[1], v[2]); }
+
+std::string in_degrees(const Direction& direction) {
+  return fmt::format("{:7.3f}, {:+7.3f} deg", direction.longitude_rad * degrees, direction.latitude_rad * degrees);
+}
+
+// "z", "-x", or the components of the principal axis in the axes of the file.
+std::string axis_in_file(const Vector3& axis) {
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(axis[k]) == 1.0) return fmt::format("{}{}", axis[k] < 0.0 ? "-" : "", "xyz"[k]);
+  }
+  return fmt::format("({:+.6f}, {:+.6f}, {:+.6f})", axis[0], axis[1], axis[2]);
+}
+
+// What there is to say about one body: gathered once, printed as text or JSON.
+struct Report {
+  std::string path;
+  Body body;
+  std::optional<SpinInvariants> spin;
+  std::optional<Vector3> momentum_ecliptic, momentum_icrf;
+};
+
+Report report_on(const std::string& path) {
+  Report report{path, read_body(path), std::nullopt, std::nullopt, std::nullopt};
+  Body& body = report.body;
+  if (!body.inertia) {
+    body.warnings.push_back("no inertia is given: nothing can be said about the motion");
+  } else if (!body.inertia->absolute) {
+    body.warnings.push_back(
+        "the inertia is known as ratios only: free motion needs no more, torques cannot be computed");
+  }
+  if (!body.state || !body.state->omega_named_rad_s) {
+    body.warnings.push_back("no angular velocity or momentum is given: nothing can be said about the motion");
+  } else if (body.inertia) {
+    report.spin = spin_invariants(*body.inertia, momentum_principal(body));
+    if (!body.state->q_frame_from_named) {
+      body.warnings.push_back("no attitude is given: the direction of the angular momentum is unknown");
+    } else if (report.spin->mode != RotationMode::rest) {
+      report.momentum_ecliptic = momentum_in_frame(body, Frame::ecliptic_j2000);
+      report.momentum_icrf = momentum_in_frame(body, Frame::icrf);
+    }
+    if (report.spin->separatrix_distance && *report.spin->separatrix_distance < close_to_separatrix) {
+      body.warnings.push_back(
+          "close to the separatrix: mode and periods hang on the last digits of the inertia and of the rate");
+    }
+    if (report.spin->mode == RotationMode::principal_axis && report.spin->rotation_axis == 1) {
+      body.warnings.push_back("rotation about the intermediate axis is unstable: the smallest disturbance flips it");
+    }
+  }
+  return report;
+}
+
+class Page {
+ public:
+  template <class... Arguments>
+  void heading(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
+    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
+    text_.push_back('\n');
+  }
+  void row(std::string_view label, std::string_view value) {
+    fmt::format_to(std::back_inserter(text_), "  {:<32}{}\n", label, value);
+  }
+  void gap() { text_.push_back('\n'); }
+  std::string_view view() const { return {text_.data(), text_.size()}; }
+
+ private:
+  fmt::memory_buffer text_;
+};
+
+void print_axis(Page& page, int principal, const AxisMotion& axis) {
+  const char* word = axis_words[principal];
+  page.row(fmt::format("P_phi, {}-axis convention", word), duration(axis.precession_period_s));
+  page.row(fmt::format("{} axis to L", word),
+           fmt::format("{:.3f} to {:.3f} deg", axis.least_angle_rad * degrees, axis.greatest_angle_rad * degrees));
+}
+
+void print(Page& page, const Report& report) {
+  const Body& body = report.body;
+  page.heading("{}", body.name);
+  page.row("file", report.path);
+  if (!body.source.empty()) page.row("source", body.source);
+  if (body.inertia) {
+    const Inertia& inertia = *body.inertia;
+    page.gap();
+    page.heading("Inertia{}", inertia.absolute ? ", kg m2" : ", ratios");
+    page.row("principal moments", triple(inertia.principal_moments));
+    page.row("as parts of the largest", triple(inertia.principal_moments / inertia.principal_moments[2]));
+    for (int k = 0; k < 3; ++k) {
+      page.row(fmt::format("{} axis", axis_words[k]), axis_in_file(inertia.named_from_principal.col(k)));
+    }
+    const Vector3 ratios = equivalent_ellipsoid_ratios(inertia);
+    page.row("axis ratios of an ellipsoid", fmt::format("1 : {:.4f} : {:.4f}", ratios[1], ratios[2]));
+  }
+  if (body.state) {
+    const SpinState& state = *body.state;
+    page.gap();
+    page.heading("State at {} {}, frame {}", format_date(state.epoch, state.epoch_scale, 3), name(state.epoch_scale),
+                 name(state.frame));
+    if (state.q_frame_from_named) {
+      const Eigen::Vector4d q = scalar_first(*state.q_frame_from_named);
+      page.row("q_frame_from_body",
+               fmt::format("{:.12f}, {:.12f}, {:.12f}, {:.12f} (scalar first)", q[0], q[1], q[2], q[3]));
+    }
+    if (state.omega_named_rad_s) {
+      const bool fast = state.omega_named_rad_s->norm() * degrees > 0.1;
+      page.row("angular velocity, body axes",
+               triple(*state.omega_named_rad_s * degrees * (fast ? 1.0 : day_s)) + (fast ? " deg/s" : " deg/day"));
+    }
+  }
+  if (report.spin) {
+    const SpinInvariants& spin = *report.spin;
+    page.gap();
+    page.heading("Motion: {}", name(spin.mode));
+    if (spin.rotation_axis >= 0) page.row("axis", axis_words[spin.rotation_axis]);
+    if (spin.rotation_period_s) page.row("rotation period", duration(*spin.rotation_period_s));
+    if (report.momentum_icrf) {
+      page.row("angular momentum L, ecliptic", in_degrees(direction_of(*report.momentum_ecliptic)) + " (ECLIPJ2000)");
+      page.row("angular momentum L, equatorial", in_degrees(direction_of(*report.momentum_icrf)) + " (ICRF)");
+    }
+    if (spin.mode != RotationMode::rest) {
+      page.row("energy E/E0 = 2 E I3 / L^2", fmt::format("{:.7g}", 1.0 + spin.energy_above_ground));
+      page.row("1 - 2 E I2 / L^2", fmt::format("{:+.4g}", spin.separatrix_offset));
+    }
+    if (spin.polhode_period_s) {
+      page.row("P_psi, the polhode closes", duration(*spin.polhode_period_s));
+      print_axis(page, 0, *spin.long_axis);
+      print_axis(page, 2, *spin.short_axis);
+      page.row("distance from separatrix", fmt::format("{:.4g} (0 on it, 1 farthest)", *spin.separatrix_distance));
+    }
+  }
+  if (!body.notes.empty() || !body.warnings.empty()) page.gap();
+  for (const std::string& note : body.notes) page.heading("note: {}", note);
+  for (const std::string& warning : body.warnings) page.heading("warning: {}", warning);
+}
+
+Json json(const AxisMotion& axis) {
+  return {{"precession_period_s", axis.precession_period_s},
+          {"least_angle_deg", axis.least_angle_rad * degrees},
+          {"greatest_angle_deg", axis.greatest_angle_rad * degrees}};
+}
+
+Json json(const Direction& direction) { return {direction.longitude_rad * degrees, direction.latitude_rad * degrees}; }
+
+Json json(const Report& report) {
+  const Body& body = report.body;
+  Json out{{"file", report.path}, {"name", body.name}, {"source", body.source}};
+  if (body.inertia) {
+    const Inertia& inertia = *body.inertia;
+    Json axes = Json::array();
+    for (int k = 0; k < 3; ++k) axes.push_back(list(inertia.named_from_principal.col(k)));
+    out["inertia"] = {{"unit", inertia.absolute ? "kg m2" : "ratios"},
+                      {"principal_moments", list(inertia.principal_moments)},
+                      {"principal_axes_in_body", axes},
+                      {"ellipsoid_axis_ratios", list(equivalent_ellipsoid_ratios(inertia))}};
+  }
+  if (body.state) {
+    const SpinState& state = *body.state;
+    out["state"] = {{"epoch", format_date(state.epoch, state.epoch_scale, 9)},
+                    {"scale", name(state.epoch_scale)},
+                    {"frame", name(state.frame)}};
+    if (state.q_frame_from_named) {
+      const Eigen::Vector4d q = scalar_first(*state.q_frame_from_named);
+      out["state"]["q_frame_from_body_scalar_first"] = {q[0], q[1], q[2], q[3]};
+    }
+    if (state.omega_named_rad_s) out["state"]["omega_body_rad_s"] = list(*state.omega_named_rad_s);
+  }
+  if (report.spin) {
+    const SpinInvariants& spin = *report.spin;
+    Json motion{{"mode", name(spin.mode)}, {"momentum", spin.momentum}, {"twice_energy", spin.twice_energy}};
+    if (spin.rotation_axis >= 0) motion["axis"] = axis_words[spin.rotation_axis];
+    if (spin.rotation_period_s) motion["rotation_period_s"] = *spin.rotation_period_s;
+    if (report.momentum_icrf) {
+      motion["momentum_ecliptic_deg"] = json(direction_of(*report.momentum_ecliptic));
+      motion["momentum_equatorial_deg"] = json(direction_of(*report.momentum_icrf));
+    }
+    motion["energy_above_ground"] = spin.energy_above_ground;
+    motion["separatrix_offset"] = spin.separatrix_offset;
+    if (spin.polhode_period_s) {
+      motion["separatrix_distance"] = *spin.separatrix_distance;
+      motion["polhode_period_s"] = *spin.polhode_period_s;  // null where infinite
+      motion["long_axis"] = json(*spin.long_axis);
+      motion["short_axis"] = json(*spin.short_axis);
+    }
+    out["motion"] = motion;
+  }
+  out["notes"] = body.notes;
+  out["warnings"] = body.warnings;
+  return out;
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  struct Options {
+    std::vector<std::string> files;
+    bool as_json = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("info", "What a body file says: mode, periods, angular momentum, energy");
+  command->add_option("FILE", options->files, "body files")->required();
+  command->add_flag("--json", options->as_json, "a JSON list, one object for each file");
+  command->callback([options] {
+    Page page;
+    Json all = Json::array();
+    for (const std::string& file : options->files) {
+      const Report report = report_on(file);
+      if (options->as_json) {
+        all.push_back(json(report));
+      } else {
+        if (!page.view().empty()) page.gap();
+        print(page, report);
+      }
+    }
+    write_standard_output(options->as_json ? all.dump(2) + "\n" : std::string(page.view()));
+  });
+}
+
+}  // namespace polhode::tools
