@@ -41,6 +41,15 @@ std::string in_degrees(const Direction& direction) {
   return fmt::format("{:7.3f}, {:+7.3f} deg", direction.longitude_rad * degrees, direction.latitude_rad * degrees);
 }
 
+std::string quaternion(const Quaternion& q) {
+  return fmt::format("{:.12f}, {:.12f}, {:.12f}, {:.12f} (scalar first)", q.w(), q.x(), q.y(), q.z());
+}
+
+std::string angular_velocity(const Vector3& omega_rad_s) {
+  const bool fast = omega_rad_s.norm() * degrees > 0.1;
+  return triple(omega_rad_s * degrees * (fast ? 1.0 : day_s)) + (fast ? " deg/s" : " deg/day");
+}
+
 // "z", "-x", or the components of the principal axis in the axes of the file.
 std::string axis_in_file(const Vector3& axis) {
   for (int k = 0; k < 3; ++k) {
@@ -60,6 +69,7 @@ struct Report {
 Report report_on(const std::string& path) {
   Report report{path, read_body(path), std::nullopt, std::nullopt, std::nullopt};
   Body& body = report.body;
+  for (const std::string& what : body.missing) body.warnings.push_back("cannot be propagated; it lacks " + what);
   if (!body.inertia) {
     body.warnings.push_back("no inertia is given: nothing can be said about the motion");
   } else if (!body.inertia->absolute) {
@@ -133,16 +143,15 @@ void print(Page& page, const Report& report) {
     page.gap();
     page.heading("State at {} {}, frame {}", format_date(state.epoch, state.epoch_scale, 3), name(state.epoch_scale),
                  name(state.frame));
-    if (state.q_frame_from_named) {
-      const Eigen::Vector4d q = scalar_first(*state.q_frame_from_named);
-      page.row("q_frame_from_body",
-               fmt::format("{:.12f}, {:.12f}, {:.12f}, {:.12f} (scalar first)", q[0], q[1], q[2], q[3]));
-    }
-    if (state.omega_named_rad_s) {
-      const bool fast = state.omega_named_rad_s->norm() * degrees > 0.1;
-      page.row("angular velocity, body axes",
-               triple(*state.omega_named_rad_s * degrees * (fast ? 1.0 : day_s)) + (fast ? " deg/s" : " deg/day"));
-    }
+    if (state.q_frame_from_named) page.row("q_frame_from_body", quaternion(*state.q_frame_from_named));
+    if (state.omega_named_rad_s) page.row("angular velocity, body axes", angular_velocity(*state.omega_named_rad_s));
+  }
+  for (const StatedAttitude& attitude : body.attitudes) {
+    page.gap();
+    page.heading("{}: attitude of {} in {}", attitude.block, attitude.body, attitude.frame);
+    page.row("q_frame_from_body", quaternion(attitude.q_frame_from_body));
+    if (attitude.omega_body_rad_s)
+      page.row("angular velocity, body axes", angular_velocity(*attitude.omega_body_rad_s));
   }
   if (report.spin) {
     const SpinInvariants& spin = *report.spin;
@@ -220,6 +229,16 @@ Json json(const Report& report) {
     }
     out["motion"] = motion;
   }
+  for (const StatedAttitude& attitude : body.attitudes) {
+    const Eigen::Vector4d q = scalar_first(attitude.q_frame_from_body);
+    Json stated{{"block", attitude.block},
+                {"frame", attitude.frame},
+                {"body", attitude.body},
+                {"q_frame_from_body_scalar_first", {q[0], q[1], q[2], q[3]}}};
+    if (attitude.omega_body_rad_s) stated["omega_body_rad_s"] = list(*attitude.omega_body_rad_s);
+    out["attitudes"].push_back(stated);
+  }
+  out["missing"] = body.missing;
   out["notes"] = body.notes;
   out["warnings"] = body.warnings;
   return out;
