@@ -21,6 +21,7 @@ int run(int argc, char** argv) {
   polhode::tools::add_info(app);
   polhode::tools::add_methods(app);
   polhode::tools::add_bench(app);
+  polhode::tools::add_propagate(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -35,6 +36,8 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const polhode::tools::CheckFailed& error) {
+    return fail(1, error);
+  } catch (const polhode::ComputationError& error) {
     return fail(1, error);
   } catch (const polhode::InputError& error) {
     return fail(2, error);

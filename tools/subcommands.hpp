@@ -17,5 +17,6 @@ void add_bench(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_info(CLI::App& app);
 void add_methods(CLI::App& app);
+void add_propagate(CLI::App& app);
 
 }  // namespace polhode::tools

@@ -323,6 +323,12 @@ AemType aem_type(std::string_view name) {
   throw InputError(fmt::format("attitude type '{}' is not one of {}", name, allowed));
 }
 
+AdmVersion adm_version(std::string_view name) {
+  if (name == "1.0") return AdmVersion::v1;
+  if (name == "2.0") return AdmVersion::v2;
+  throw InputError(fmt::format("ADM version '{}' is not one of 1.0, 2.0", name));
+}
+
 void write_aem(const std::string& path, std::span<const Ephemeris> segments, const AemOptions& options,
                const Progress& progress) {
   const Form& form = form_of(options.type);

@@ -29,6 +29,9 @@ enum class AdmVersion {
   v2,  ///< CCSDS 504.0-B-2 (2024)
 };
 
+/// "1.0" or "2.0". Throws InputError.
+AdmVersion adm_version(std::string_view name);
+
 struct AemOptions {
   AdmVersion version = AdmVersion::v2;
   bool xml = false;

@@ -17,6 +17,12 @@
 namespace polhode {
 namespace {
 
+/// Ones' complement sum of 32-bit words: the carry comes back in at the low end (FITS 4.0 appendix J).
+std::uint64_t fold(std::uint64_t sum) {
+  while ((sum >> 32) != 0) sum = (sum & 0xffffffffU) + (sum >> 32);
+  return sum;
+}
+
 /// An open FITS file under a temporary name. Every call's status passes through check().
 class Fits {
  public:
@@ -84,6 +90,32 @@ class Fits {
     fits_write_key_log(file_, name, value ? 1 : 0, comment, &status);
     check(status);
   }
+
+  /// DATASUM and CHECKSUM of the current HDU. cfitsio's own would read the data again, and note the time of day, so
+  /// that no two files were the same.
+  void checksums(std::uint64_t data_sum) {
+    key("CHECKSUM", "0000000000000000", "HDU checksum");
+    key("DATASUM", fmt::format("{}", data_sum), "data unit checksum");
+    int status = 0;
+    char* cards = nullptr;
+    int count = 0;
+    fits_hdr2str(file_, 0, nullptr, 0, &cards, &count, &status);
+    check(status);
+    constexpr std::size_t block = 2880;
+    std::string header(cards);
+    fits_free_memory(cards, &status);
+    header.resize((header.size() + block - 1) / block * block, ' ');
+    std::uint64_t sum = data_sum;
+    for (std::size_t at = 0; at < header.size(); at += 4) {
+      for (std::size_t k = 0; k < 4; ++k)
+        sum += std::uint64_t{static_cast<unsigned char>(header[at + k])} << (24 - 8 * k);
+    }
+    char text[17] = {};
+    fits_encode_chksum(fold(sum), 1, text);  // 1: its complement, so that the whole HDU sums to minus zero
+    fits_modify_key_str(file_, "CHECKSUM", text, "&", &status);
+    check(status);
+  }
+
   void comment(const std::string& text) {
     int status = 0;
     fits_write_comment(file_, text.c_str(), &status);
@@ -118,12 +150,6 @@ class Packer {
   char* at_ = nullptr;
   std::uint64_t sum_ = 0;
 };
-
-/// Ones' complement sum of 32-bit words: the carry comes back in at the low end (FITS 4.0 appendix J).
-std::uint64_t fold(std::uint64_t sum) {
-  while ((sum >> 32) != 0) sum = (sum & 0xffffffffU) + (sum >> 32);
-  return sum;
-}
 
 void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resolution) {
   const EphemerisDescription& description = ephemeris.description();
@@ -175,7 +201,8 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   Fits fits(output);
   int status = 0;
   fits_create_img(fits, BYTE_IMG, 0, nullptr, &status);
-  fits_write_chksum(fits, &status);
+  fits.check(status);
+  fits.checksums(0);
 
   std::vector<const char*> names{"TIME", "QPARAM", "OMEGA"};
   std::vector<const char*> forms{"1D", "4D", "3D"};
@@ -198,8 +225,8 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
     for (const char* text : texts) pointers.push_back(const_cast<char*>(text));
     return pointers;
   };
-  const auto rows = static_cast<LONGLONG>(ephemeris.times().size());
-  fits_create_tbl(fits, BINARY_TBL, rows, static_cast<int>(names.size()), mutable_pointers(names).data(),
+  // No rows yet: they are appended. A table that knew its length would be filled with zeros when we stop early.
+  fits_create_tbl(fits, BINARY_TBL, 0, static_cast<int>(names.size()), mutable_pointers(names).data(),
                   mutable_pointers(forms).data(), mutable_pointers(units).data(), "ATTITUDE", &status);
   fits.check(status);
   const TimeResolution resolution{options.time_low ? TimeResolution::Kind::two_doubles
@@ -235,12 +262,10 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   };
   stream_rows(ephemeris, resolution, encode, consume);
 
-  fits.key("CHECKSUM", "0000000000000000", "HDU checksum");
-  fits.key("DATASUM", fmt::format("{}", data_sum), "data unit checksum");
   errno = 0;
-  fits_flush_file(fits, &status);  // completes the header, which fits_update_chksum sums as it stands
-  fits_update_chksum(fits, &status);
+  fits_flush_file(fits, &status);  // notes the count of rows in the header
   fits.check(status);
+  fits.checksums(data_sum);
   fits.close();
   output.commit();
 }

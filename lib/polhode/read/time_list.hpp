@@ -1,0 +1,14 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "polhode/time/scale.hpp"
+
+namespace polhode {
+
+/// Dates separated by commas; or, if a file of that name exists, its lines, one date each, `#` comments. A date names
+/// its scale ("2029-04-13T21:46:00 UTC") or has `missing`. Throws InputError with file and line.
+std::vector<Instant> read_time_list(const std::string& list_or_path, TimeScale missing);
+
+}  // namespace polhode

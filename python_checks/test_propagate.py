@@ -1,0 +1,105 @@
+"""polhode propagate as a command: what it refuses, how it says so, and that nothing is left behind."""
+
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+from support import PROGRAM, TOUTATIS, propagate, run
+
+SPAN = ("--stop", "+1 d", "--step", "1 h")
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        (("-o", "out.fits"), "one of --step and --count"),
+        (("-o", "out.fits", "--step", "60"), "--stop is missing"),
+        (("-o", "out.dat", *SPAN), "names no format"),
+        (("-o", "out.fits", "--stop", "+1 d", "--step", "0"), "positive"),
+        (("-o", "out.fits", "--stop", "+1 d", "--step", "-60"), "positive"),
+        (("-o", "out.fits", "--stop", "+1 d", "--step", "nan"), "span of time"),
+        (("-o", "out.fits", "--stop", "+1 d", "--step", "60 parsec"), "s, min, h, d"),
+        (("-o", "out.fits", "--stop", "1992-02-30", "--step", "60"), "1992-02-30"),
+        (("-o", "out.fits", "--stop", "1980-01-01", "--step", "60"), "before start"),
+        (("-o", "out.fits", "--stop", "+1 d", "--step", "1e-12"), "rows"),
+        (("-o", "out.fits", "--stop", "+1 d", "--count", "0"), "--count"),
+        (("-o", "out.fits", *SPAN, "--frame", "nonsense"), "ICRF"),
+        (("-o", "out.fits", *SPAN, "--scale", "nonsense"), "TDB"),
+        (("-o", "out.fits", *SPAN, "--method", "nonsense"), "auto"),
+        (("-o", "out.aem", *SPAN, "--attitude-type", "SPIN"), "QUATERNION"),
+        (("-o", "out.aem", *SPAN, "--adm", "3.0"), "2.0"),
+        (("-o", "out.aem", *SPAN, "--adm", "1.0"), "ADM 1.0"),
+        (("-o", "out.aem", *SPAN, "--attitude-type", "EULER_ANGLE", "--euler-sequence", "XXZ"), "XXZ"),
+        (("-o", "out.fits", "--times", "2000-01-02,2000-01-01"), "increase"),
+        (("-o", "out.fits", "--times", "2000-01-01,tomorrow"), "tomorrow"),
+        (("-o", "out.fits", *SPAN, "--start", "1993-01-01", "--start", "1994-01-01", "--stop", "+1 d"), "only an AEM"),
+        (("-o", "out.fits", *SPAN, "--unknown"), "--unknown"),
+    ],
+)
+def test_bad_usage_is_refused(tmp_path, options, message):
+    result = run("propagate", TOUTATIS, *options, check=False, cwd=tmp_path)
+    assert result.returncode == 2
+    assert message in result.stderr + result.stdout
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_fault_in_a_list_of_times_names_its_line(tmp_path):
+    (tmp_path / "times").write_text("# instants\n2000-01-01 TDB\n\n2000-01-32 TDB\n")
+    result = run("propagate", TOUTATIS, "-o", "out.fits", "--times", "times", check=False, cwd=tmp_path)
+    assert result.returncode == 2
+    assert "times:4: " in result.stderr
+    assert not (tmp_path / "out.fits").exists()
+
+
+@pytest.mark.parametrize("out", ["none/out.fits", "folder.csv", "device.fits"])
+def test_what_cannot_be_written_is_status_3(tmp_path, out):
+    (tmp_path / "folder.csv").mkdir()
+    (tmp_path / "device.fits").symlink_to("/dev/null")
+    result = run("propagate", TOUTATIS, "-o", out, *SPAN, check=False, cwd=tmp_path)
+    assert result.returncode == 3
+    assert "cannot write" in result.stderr
+
+
+def test_an_existing_file_is_replaced_whole(tmp_path):
+    out = tmp_path / "out.csv"
+    out.write_text("old")
+    propagate(TOUTATIS, out, *SPAN)
+    assert len(out.read_text().splitlines()) == 26
+    assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
+
+
+@pytest.mark.parametrize("ending", ["fits", "aem", "csv"])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_stop_leaves_nothing(tmp_path, ending, number):
+    out = tmp_path / f"out.{ending}"
+    process = subprocess.Popen(
+        [PROGRAM, "propagate", TOUTATIS, "-o", out, "--stop", "+10000 d", "--step", "0.01"], stderr=subprocess.PIPE, text=True
+    )
+    deadline = time.monotonic() + 20
+    while not any(tmp_path.iterdir()):  # the hidden file has begun
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.01)
+    time.sleep(0.2)
+    process.send_signal(number)
+    _, stderr = process.communicate(timeout=20)
+    assert process.returncode == -number  # as if it had not been caught
+    assert "not written" in stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_progress_line_without_a_terminal(tmp_path):
+    result = run("propagate", TOUTATIS, "-o", tmp_path / "out.csv", *SPAN)
+    assert "\r" not in result.stderr
+    assert result.stdout == ""
+
+
+def test_the_same_input_gives_the_same_bytes(tmp_path):
+    environment = {**os.environ, "SOURCE_DATE_EPOCH": "0"}
+    texts = []
+    for name in "ab":
+        run("propagate", TOUTATIS, "-o", tmp_path / f"{name}.fits", "--stop", "+30 d", "--step", "60", env=environment)
+        texts.append((tmp_path / f"{name}.fits").read_bytes())
+        time.sleep(1.1)  # no clock but the given one is asked
+    assert texts[0] == texts[1]

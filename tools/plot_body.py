@@ -1,0 +1,337 @@
+#!/usr/bin/env python3
+"""Draw a tumbling body: its polhode on the momentum sphere with the planes of the separatrix, the same on its energy
+ellipsoid, and the path of its long axis on the sky.
+
+    tools/plot_body.py FILE [-o OUT]
+
+FILE is an attitude ephemeris that `polhode propagate` wrote as FITS, or a body file, which is then propagated for twenty
+turns (by the program that the environment variable POLHODE names, else build/bin/polhode).
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+import numpy as np
+from astropy.table import Table
+from matplotlib.collections import LineCollection
+
+INK = "#1b1f24"
+BLUE = "#0b5fa5"  # rotation about the axis of least inertia: case (i)
+RED = "#c2452d"  # about the axis of greatest inertia: case (ii)
+GREEN = "#3f8f3a"  # the separatrix: case (iii)
+SPHERE = np.array([0.93, 0.92, 0.89])
+
+
+@dataclass
+class Motion:
+    """Rows of an ephemeris, with the body's principal axes."""
+
+    object: str
+    method: str
+    frame: str
+    begin: str
+    end: str
+    moments: np.ndarray  # I1 <= I2 <= I3
+    time_s: np.ndarray
+    momentum: np.ndarray  # n x 3, principal axes, of length 1
+    long_axis: np.ndarray  # n x 3, direction of principal axis 1 in the inertial frame
+    momentum_direction: np.ndarray  # of the first row, in the inertial frame
+
+
+def rotated(q, v):
+    """q v q*, q scalar first (n x 4), v (n x 3)."""
+    t = 2 * np.cross(q[:, 1:], v)
+    return v + q[:, :1] * t + np.cross(q[:, 1:], t)
+
+
+def read_motion(path):
+    table = Table.read(path, hdu="ATTITUDE")
+    meta = table.meta
+    q = np.asarray(table["QPARAM"])[:, [3, 0, 1, 2]]
+    omega = np.asarray(table["OMEGA"])
+    moments = np.array([meta[f"INERTIA{k}"] for k in (1, 2, 3)])
+    principal = np.array([[meta[f"QPRINC{k}"] for k in range(4)]])
+    to_principal = principal * [1, -1, -1, -1]
+    count = len(q)
+    momentum = moments * rotated(np.repeat(to_principal, count, 0), omega)
+    length = np.linalg.norm(momentum, axis=1, keepdims=True)
+    if not np.all(length > 0):
+        sys.exit(f"plot_body: {path}: the body is at rest, there is nothing to draw")
+    momentum = momentum / length
+    axes = [rotated(principal, np.eye(3)[k : k + 1]) for k in range(3)]
+    in_body = sum(momentum[:1, k : k + 1] * axes[k] for k in range(3))
+    return Motion(
+        object=meta.get("OBJECT", Path(path).stem),
+        method=meta.get("METHOD", ""),
+        frame=meta.get("REFFRAMA", ""),
+        begin=meta["DATE-BEG"][:19].replace("T", " "),
+        end=f"{meta['DATE-END'][:19].replace('T', ' ')} {meta['TIMESYS']}",
+        moments=moments,
+        time_s=np.asarray(table["TIME"]),
+        momentum=momentum,
+        long_axis=rotated(q, np.repeat(axes[0], count, 0)),
+        momentum_direction=rotated(q[:1], in_body)[0],
+    )
+
+
+def propagated(body_file, folder):
+    """The ephemeris of a body file over some twenty turns."""
+    program = os.environ.get("POLHODE", "build/bin/polhode")
+    out = Path(folder) / "body.fits"
+
+    def run(*options):
+        result = subprocess.run([program, "propagate", body_file, "-o", out, *options], capture_output=True, text=True)
+        if result.returncode != 0:
+            sys.exit(f"plot_body: {result.stderr.strip()}")
+
+    run("--stop", "+0 s", "--count", "1")
+    rate = np.linalg.norm(Table.read(out, hdu="ATTITUDE")["OMEGA"][0])
+    if rate == 0:
+        sys.exit(f"plot_body: {body_file}: the body is at rest, there is nothing to draw")
+    run("--stop", f"+{20 * 2 * np.pi / rate:.0f} s", "--count", "6000")
+    return out
+
+
+class View:
+    """An orthographic look at the unit sphere from a direction, axis 3 upwards."""
+
+    pixels = 900
+
+    def __init__(self, towards, extent=1.5):
+        self.extent = extent
+        self.w = towards / np.linalg.norm(towards)
+        self.u = np.cross([0, 0, 1], self.w)
+        self.u /= np.linalg.norm(self.u)
+        self.v = np.cross(self.w, self.u)
+        side = np.linspace(-self.extent, self.extent, self.pixels)
+        self.x, self.y = np.meshgrid(side, side)
+
+    def flat(self, points):
+        return points @ self.u, points @ self.v
+
+    def depth(self, points):
+        return points @ self.w
+
+    def hit(self, quadratic):
+        """Nearest depth at which a ray through each pixel meets x^T diag(quadratic) x = 1, NaN where it does not, and the
+        points."""
+        base = self.x[..., None] * self.u + self.y[..., None] * self.v
+        a = np.sum(quadratic * self.w**2)
+        b = np.sum(quadratic * base * self.w, axis=-1)
+        c = np.sum(quadratic * base**2, axis=-1) - 1
+        square = b * b - a * c
+        with np.errstate(invalid="ignore"):
+            depth = (-b + np.sqrt(square)) / a
+        return depth, base + depth[..., None] * self.w
+
+    def shaded(self, normal, colour):
+        """Colour of a surface under a lamp above the left shoulder."""
+        lamp = self.w + 0.9 * self.v - 0.7 * self.u
+        lamp /= np.linalg.norm(lamp)
+        with np.errstate(invalid="ignore"):
+            n = normal / np.linalg.norm(normal, axis=-1, keepdims=True)
+        light = np.clip(0.66 + 0.36 * (n @ lamp), 0, 1)[..., None]
+        return np.clip(np.asarray(colour) * light, 0, 1)
+
+
+def mode(motion):
+    """Case of the motion: the sign of 2 T I2 / G^2 - 1."""
+    excess = np.mean(np.sum(motion.momentum**2 / motion.moments, axis=1)) * motion.moments[1] - 1
+    if excess > 0:
+        return "long-axis mode", BLUE
+    return "short-axis mode", RED
+
+
+def separatrix_slope(moments):
+    """m3/m1 on the separatrix planes, Delta_2 = 0; None where a symmetric top has none."""
+    i1, i2, i3 = moments
+    if i2 <= i1 * (1 + 1e-12) or i3 <= i2 * (1 + 1e-12):
+        return None
+    return np.sqrt((i2 - i1) * i3 / ((i3 - i2) * i1))
+
+
+def blended(image, mask, colour, opacity):
+    image[mask] = (1 - opacity) * image[mask] + opacity * (colour[mask] if np.ndim(colour) == 3 else np.asarray(colour))
+
+
+def draw_axes_labels(ax, view, reach):
+    for k in range(3):
+        tip = np.eye(3)[k] * np.sign(view.w[k] if abs(view.w[k]) > 0.05 else 1)
+        start, end = tip * reach[k], tip * (reach[k] + 0.28)
+        ax.annotate(
+            "", view_xy(view, end), view_xy(view, start), arrowprops=dict(arrowstyle="-|>", color=INK, lw=1.1), zorder=9
+        )
+        sign = "" if tip[k] > 0 else "\N{MINUS SIGN}"
+        x, y = view_xy(view, tip * (reach[k] + 0.28))
+        away = np.array([x, y]) / max(np.hypot(x, y), 1e-9) * 0.13
+        ax.text(x + away[0], y + away[1], f"${sign}m_{k + 1}$", ha="center", va="center", fontsize=12.5, color=INK, zorder=9)
+
+
+def view_xy(view, point):
+    x, y = view.flat(point)
+    return float(x), float(y)
+
+
+def finish(ax, view, title):
+    ax.set_title(title, fontsize=11.5, color=INK, pad=4)
+    ax.set(xlim=(-view.extent, view.extent), ylim=(-view.extent, view.extent), aspect="equal")
+    ax.axis("off")
+
+
+def draw_curve(ax, view, points, hidden_by, **style):
+    """A curve, broken where a depth map stands before it."""
+    x, y = view.flat(points)
+    column = np.clip(np.round((x + view.extent) / (2 * view.extent) * (view.pixels - 1)).astype(int), 0, view.pixels - 1)
+    row = np.clip(np.round((y + view.extent) / (2 * view.extent) * (view.pixels - 1)).astype(int), 0, view.pixels - 1)
+    with np.errstate(invalid="ignore"):
+        hidden = view.depth(points) < hidden_by[row, column] - 0.03
+    ax.plot(np.where(hidden, np.nan, x), np.where(hidden, np.nan, y), **style)
+
+
+def momentum_sphere(ax, view, motion):
+    depth, point = view.hit(np.ones(3))
+    on_sphere = np.isfinite(depth)
+    image = np.ones((view.pixels, view.pixels, 3))
+    slope = separatrix_slope(motion.moments)
+    planes = []  # (depth, colour) of the two planes through axis 2, clipped to a disc
+    if slope is not None:
+        for sign in (1, -1):
+            normal = np.array([-sign * slope, 0.0, 1.0])
+            normal /= np.linalg.norm(normal)
+            base = view.x[..., None] * view.u + view.y[..., None] * view.v
+            at = -(base @ normal) / (view.w @ normal)
+            where = base + at[..., None] * view.w
+            inside = np.linalg.norm(where, axis=-1) < 1.22
+            planes.append((np.where(inside, at, np.nan), np.array([0.62, 0.76, 0.58])))
+    # From back to front: planes behind the sphere, the sphere, planes before it.
+    for at, colour in sorted(planes, key=lambda plane: -np.nanmean(plane[0])):
+        blended(image, np.isfinite(at), colour, 0.42)
+    sphere = view.shaded(point, SPHERE)
+    image[on_sphere] = sphere[on_sphere]
+    for at, colour in planes:
+        with np.errstate(invalid="ignore"):
+            blended(image, on_sphere & (at > depth), colour, 0.42)
+    ax.imshow(image, origin="lower", extent=[-view.extent, view.extent] * 2, interpolation="bilinear")
+    # Neighbouring polhodes: curves of equal energy over the visible half.
+    energy = np.where(on_sphere, np.sum(point**2 / motion.moments, axis=-1), np.nan)
+    low, middle, high = 1 / motion.moments[::-1]
+    levels = np.concatenate([low + (middle - low) * np.array([0.1, 0.35, 0.7]), middle + (high - middle) * np.array([0.12, 0.38, 0.7])])
+    if np.all(np.diff(levels) > 0):
+        ax.contour(view.x, view.y, energy, levels=levels, colors=["#8a8f94"], linewidths=0.7)
+    if slope is not None:
+        angle = np.linspace(0, 2 * np.pi, 721)
+        for sign in (1, -1):
+            along = np.array([1.0, 0.0, sign * slope])
+            along /= np.linalg.norm(along)
+            circle = np.cos(angle)[:, None] * along + np.sin(angle)[:, None] * np.array([0.0, 1.0, 0.0])
+            draw_curve(ax, view, circle, depth, color=GREEN, lw=1.6, ls=(0, (5, 2)))
+    _, colour = mode(motion)
+    draw_curve(ax, view, motion.momentum, depth, color=colour, lw=2.6, solid_capstyle="round")
+    draw_axes_labels(ax, view, [1.0, 1.0, 1.0])
+    finish(ax, view, "Polhode on the momentum sphere, separatrix dashed")
+
+
+def energy_ellipsoid(ax, towards, motion):
+    inverse = 1 / motion.moments
+    twice_energy = np.mean(np.sum(motion.momentum**2 * inverse, axis=1))
+    semi_axes = np.sqrt(twice_energy / inverse)
+    view = View(towards, extent=np.clip(semi_axes.max() + 0.45, 1.5, 2.4))
+    sphere_depth, sphere_point = view.hit(np.ones(3))
+    depth, point = view.hit(inverse / twice_energy)
+    _, colour = mode(motion)
+    image = np.ones((view.pixels, view.pixels, 3))
+    before = np.where(np.isfinite(depth), depth, -np.inf)
+    sphere_before = np.where(np.isfinite(sphere_depth), sphere_depth, -np.inf)
+    tint = 0.45 * np.array(matplotlib.colors.to_rgb(colour)) + 0.55
+    ellipsoid = view.shaded(point * inverse, tint)
+    sphere = view.shaded(sphere_point, SPHERE)
+    np.copyto(image, ellipsoid, where=((before > sphere_before) & np.isfinite(depth))[..., None])
+    np.copyto(image, sphere, where=((sphere_before >= before) & np.isfinite(sphere_depth))[..., None])
+    ax.imshow(image, origin="lower", extent=[-view.extent, view.extent] * 2, interpolation="bilinear")
+    front = np.fmax(sphere_depth, depth)
+    draw_curve(ax, view, motion.momentum, front, color=colour, lw=2.6, solid_capstyle="round")
+    mirrored = motion.momentum * np.where(np.arange(3) == (0 if colour == BLUE else 2), -1, 1)
+    draw_curve(ax, view, mirrored, front, color=colour, lw=1.2, ls=(0, (1, 1.5)))
+    draw_axes_labels(ax, view, np.maximum(semi_axes, 1.0))
+    finish(ax, view, "The same where the energy ellipsoid cuts the sphere")
+
+
+def sky(ax, motion):
+    ecliptic = motion.frame.upper().startswith("ECLIP")
+    along, across = ("ecliptic longitude", "latitude") if ecliptic else ("right ascension", "declination")
+    centre = np.arctan2(motion.momentum_direction[1], motion.momentum_direction[0])
+    centre = np.radians(np.round(np.degrees(centre) / 30) * 30)
+
+    def flat(direction):
+        lon = np.arctan2(direction[..., 1], direction[..., 0]) - centre
+        return -((lon + np.pi) % (2 * np.pi) - np.pi), np.arcsin(np.clip(direction[..., 2], -1, 1))  # east to the left
+
+    x, y = flat(motion.long_axis)
+    segments = np.stack([np.stack([x[:-1], y[:-1]], -1), np.stack([x[1:], y[1:]], -1)], 1)
+    whole = np.abs(np.diff(x)) < np.pi  # not across the edge of the map
+    days = (motion.time_s - motion.time_s[0]) / 86400
+    span, unit = (days, "days") if days[-1] >= 2 else (days * 24, "hours") if days[-1] * 24 >= 2 else (days * 86400, "s")
+    dark_to_light = matplotlib.colormaps["cividis"].resampled(256)(np.linspace(0, 0.88, 256))  # light enough is too light
+    lines = LineCollection(
+        segments[whole], cmap=matplotlib.colors.ListedColormap(dark_to_light), array=span[:-1][whole], linewidths=1.3
+    )
+    ax.add_collection(lines)
+    ax.plot(x[0], y[0], "o", ms=9, mfc="white", mec=INK, mew=1.5, label="first row", zorder=5)
+    ax.plot(x[-1], y[-1], "s", ms=8, mfc=INK, mec="white", mew=1.2, label="last row", zorder=5)
+    lx, ly = flat(motion.momentum_direction)
+    ax.plot(lx, ly, "*", ms=15, mfc="white", mec=INK, mew=1.2, label="angular momentum", zorder=6)
+    ticks = np.arange(-150, 151, 30)
+    ax.set_xticks(np.radians(ticks), [f"{(np.degrees(centre) - t) % 360:.0f}°" for t in ticks], fontsize=8.5, color="#555a60")
+    ax.tick_params(axis="y", labelsize=8.5, labelcolor="#555a60")
+    ax.grid(color="#c9ccd0", lw=0.6)
+    ax.set_title(f"Path of the long axis on the sky ({along} and {across}, {motion.frame})", fontsize=11.5, color=INK, pad=12)
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.075, -0.09), frameon=False, fontsize=9.5, labelspacing=0.7)
+    bar = plt.colorbar(lines, ax=ax, shrink=0.62, pad=0.04, aspect=22)
+    bar.set_label(f"{unit} from the first row", fontsize=9.5, color=INK)
+    bar.outline.set_visible(False)
+
+
+def draw(motion, out):
+    figure = plt.figure(figsize=(11.5, 11.2), dpi=150, facecolor="white")
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.05, 1], hspace=0.1, wspace=0.02, left=0.06, right=0.97, top=0.9, bottom=0.04)
+    # Looked at from the side where the momentum is, a little off the axis it goes about.
+    middle = motion.momentum.mean(axis=0)
+    name, colour = mode(motion)
+    side = np.sign(middle) + (middle == 0)
+    towards = side * (np.array([1.0, 0.62, 0.5]) if colour == BLUE else np.array([0.62, 0.62, 0.75]))
+    view = View(towards)
+    momentum_sphere(figure.add_subplot(grid[0, 0]), view, motion)
+    energy_ellipsoid(figure.add_subplot(grid[0, 1]), towards, motion)
+    sky(figure.add_subplot(grid[1, :], projection="mollweide"), motion)
+    ratios = " : ".join(f"{m:.4g}" for m in motion.moments / motion.moments[-1])
+    figure.text(0.06, 0.965, motion.object, fontsize=19, weight="bold", color=INK, va="center")
+    figure.text(
+        0.06, 0.935, f"{name}, moments {ratios}   ·   {motion.begin} to {motion.end}   ·   method {motion.method}",
+        fontsize=10.5, color="#555a60", va="center",
+    )
+    figure.savefig(out)
+    plt.close(figure)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("file", help="FITS ephemeris or body file")
+    parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg (default: FILE's name with .png)")
+    arguments = parser.parse_args()
+    out = arguments.output or str(Path(arguments.file).with_suffix(".png"))
+    with tempfile.TemporaryDirectory() as folder:
+        is_fits = arguments.file.endswith((".fits", ".fits.gz", ".fit"))
+        draw(read_motion(arguments.file if is_fits else propagated(arguments.file, folder)), out)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+#include <unistd.h>
+#include <CLI/CLI.hpp>
+#include <csignal>
+
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/ephemeris/ephemeris.hpp"
+#include "polhode/motion/conditioning.hpp"
+#include "polhode/motion/free_body.hpp"
+#include "polhode/motion/methods.hpp"
+#include "polhode/read/body.hpp"
+#include "polhode/read/quantity.hpp"
+#include "polhode/read/time_list.hpp"
+#include "polhode/write/aem.hpp"
+#include "polhode/write/fits.hpp"
+#include "polhode/write/text_table.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+namespace {
+
+struct PropagateOptions {
+  std::string body_file;
+  std::string output;
+  std::vector<std::string> starts;
+  std::vector<std::string> stops;
+  std::string step;
+  std::size_t count = 0;
+  std::string times;
+  std::string frame = "ICRF";
+  std::string scale = "TDB";
+  std::string method = "auto";
+  std::string adm = "2.0";
+  std::string attitude_type = "QUATERNION/ANGVEL";
+  std::string euler_sequence = "ZXZ";
+  bool momentum = false;
+};
+
+enum class Format { fits, aem_kvn, aem_xml, csv, ecsv };
+
+Format format_of(const std::string& path) {
+  const auto ends = [&path](std::string_view ending) { return path.ends_with(ending); };
+  if (ends(".fits") || ends(".fits.gz") || ends(".fit") || ends(".fit.gz")) return Format::fits;
+  if (ends(".aem") || ends(".txt")) return Format::aem_kvn;
+  if (ends(".xml")) return Format::aem_xml;
+  if (ends(".csv")) return Format::csv;
+  if (ends(".ecsv")) return Format::ecsv;
+  throw InputError(
+      fmt::format("the ending of '{}' names no format; allowed are .fits, .fits.gz, .aem or .txt (CCSDS KVN), "
+                  ".xml (CCSDS XML), .csv, .ecsv",
+                  path));
+}
+
+// What Ctrl-C and a kill leave behind for the next look: the writers then remove what they have begun.
+volatile std::sig_atomic_t caught_signal = 0;
+
+struct Stopped {};
+
+/// Until it goes: SIGINT, SIGTERM and SIGHUP are noted instead of obeyed, once; a file beyond the size limit is an
+/// error like any other.
+class SignalWatch {
+ public:
+  SignalWatch() {
+    struct sigaction note {};
+    note.sa_handler = [](int signal) { caught_signal = signal; };
+    note.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the program at once
+    for (const int signal : signals_) sigaction(signal, &note, nullptr);
+    std::signal(SIGXFSZ, SIG_IGN);
+  }
+  SignalWatch(const SignalWatch&) = delete;
+  SignalWatch& operator=(const SignalWatch&) = delete;
+  ~SignalWatch() {
+    for (const int signal : signals_) std::signal(signal, SIG_DFL);
+  }
+
+ private:
+  static constexpr int signals_[] = {SIGINT, SIGTERM, SIGHUP};
+};
+
+/// Rate and time left, on a terminal, from one second on.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::size_t rows) : rows_(rows), shown_(::isatty(STDERR_FILENO) != 0) {}
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  ~ProgressLine() {
+    if (printed_) std::fputs("\r\033[K", stderr);
+  }
+
+  void operator()(std::size_t done) {
+    if (caught_signal != 0) throw Stopped{};
+    if (!shown_) return;
+    using namespace std::chrono;
+    const auto now = steady_clock::now();
+    constexpr auto first_after = seconds(1);
+    constexpr auto then_every = milliseconds(200);
+    if (now - begin_ < first_after || now - last_ < then_every) return;
+    last_ = now;
+    printed_ = true;
+    const double rate = static_cast<double>(done) / duration<double>(now - begin_).count();
+    const auto left = static_cast<long long>(static_cast<double>(rows_ - done) / rate);
+    const double part = 100.0 * static_cast<double>(done) / static_cast<double>(rows_);
+    fmt::print(stderr, "\r\033[Kpolhode: {:5.1f} %, {:.3g} rows/s, {}:{:02}:{:02} left", part, rate, left / 3600,
+               left / 60 % 60, left % 60);
+    std::fflush(stderr);
+  }
+
+ private:
+  std::size_t rows_;
+  bool shown_;
+  bool printed_ = false;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+  std::chrono::steady_clock::time_point last_ = begin_;
+};
+
+/// One grid per pair of --start and --stop, or one of the list.
+std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch, TimeScale scale) {
+  if (!options.times.empty()) {
+    if (!options.starts.empty() || !options.stops.empty() || !options.step.empty() || options.count != 0) {
+      throw InputError("--times stands alone: without --start, --stop, --step, --count");
+    }
+    return {TimeGrid::of_list(read_time_list(options.times, scale), scale)};
+  }
+  if (options.step.empty() == (options.count == 0)) throw InputError("one of --step and --count is needed, or --times");
+  if (options.stops.empty()) throw InputError("--stop is missing");
+  if (options.starts.size() != options.stops.size() && !(options.starts.empty() && options.stops.size() == 1)) {
+    throw InputError(
+        fmt::format("{} times --start and {} times --stop; they come in pairs (one --stop alone starts at "
+                    "the body's epoch)",
+                    options.starts.size(), options.stops.size()));
+  }
+  // "+60 d" counts from the body's epoch for --start, from the start for --stop.
+  const auto date = [scale](const std::string& text, Instant from) {
+    return text.starts_with('+') ? from + parse_duration(text) : parse_date_with_scale(text, scale).instant;
+  };
+  std::vector<TimeGrid> grids;
+  for (std::size_t i = 0; i < options.stops.size(); ++i) {
+    const Instant start = options.starts.empty() ? epoch : date(options.starts[i], epoch);
+    const Instant stop = date(options.stops[i], start);
+    grids.push_back(options.step.empty() ? TimeGrid::with_count(start, stop, options.count, scale)
+                                         : TimeGrid::with_step(start, stop, parse_duration(options.step), scale));
+  }
+  return grids;
+}
+
+void write(const PropagateOptions& options, Format format, const std::vector<Ephemeris>& segments) {
+  std::size_t rows = 0;
+  for (const Ephemeris& segment : segments) rows += segment.times().size();
+  ProgressLine line(rows);
+  const Progress progress = [&line](std::size_t done) { line(done); };
+  if (segments.size() > 1 && format != Format::aem_kvn && format != Format::aem_xml) {
+    throw InputError("only an AEM holds several spans; give one --start and one --stop");
+  }
+  switch (format) {
+    case Format::fits:
+      write_fits(options.output, segments.front(), {options.momentum, false}, progress);
+      return;
+    case Format::csv:
+    case Format::ecsv:
+      write_text_table(options.output, segments.front(), {format == Format::ecsv, options.momentum}, progress);
+      return;
+    case Format::aem_kvn:
+    case Format::aem_xml: {
+      AemOptions aem;
+      aem.xml = format == Format::aem_xml;
+      aem.version = adm_version(options.adm);
+      aem.type = aem_type(options.attitude_type);
+      aem.euler_sequence = EulerSequence(options.euler_sequence);
+      write_aem(options.output, segments, aem, progress);
+      return;
+    }
+  }
+}
+
+void propagate(const PropagateOptions& options) {
+  const Format format = format_of(options.output);
+  const Body body = read_body(options.body_file);
+  for (const std::string& warning : body.warnings) fmt::print(stderr, "polhode: {}\n", warning);
+  const Frame out_frame = frame(options.frame);
+  const TimeScale scale = time_scale(options.scale);
+  const FreeBody free = free_body(body, out_frame);
+  const Method& chosen = method(options.method);
+  const std::shared_ptr<const FreeMotion> motion = chosen.make(free);
+  const auto states = [motion](std::span<const double> high, std::span<const double> low, double* q, double* m) {
+    motion->batch({high, low}, StateArrays::of_structures(q, m));
+  };
+  std::vector<Ephemeris> segments;
+  std::size_t rows = 0;
+  for (TimeGrid& grid : time_grids(options, body.state->epoch, scale)) {
+    rows += grid.size();
+    EphemerisDescription description;
+    description.object = body.name;
+    description.source = body.source;
+    description.method = chosen.name;
+    const Seconds first = grid.instant(grid.time(0, {})) - body.state->epoch;
+    const Seconds last = grid.instant(grid.time(grid.size() - 1, {})) - body.state->epoch;
+    description.promised_error_rad = free_motion_error_rad(chosen.make, free, first.high, last.high);
+    segments.emplace_back(std::move(description), body, out_frame, std::move(grid), states);
+  }
+  {
+    const SignalWatch watch;
+    try {
+      write(options, format, segments);
+    } catch (const Stopped&) {
+      fmt::print(stderr, "polhode: stopped; {} is not written\n", options.output);
+    }
+  }
+  if (caught_signal != 0) {
+    std::raise(caught_signal);  // ends the program as whoever sent it expects
+  }
+  fmt::print(stderr, "polhode: {}: {} rows\n", options.output, rows);
+}
+
+}  // namespace
+
+void add_propagate(CLI::App& app) {
+  const auto options = std::make_shared<PropagateOptions>();
+  CLI::App* command = app.add_subcommand("propagate", "A body file to an attitude ephemeris");
+  command->add_option("FILE", options->body_file, "Body file")->required();
+  command->add_option("-o,--output", options->output, "Output; .fits, .fits.gz, .aem, .txt, .xml, .csv, .ecsv")
+      ->required();
+  command
+      ->add_option("--start", options->starts,
+                   "First time, a date with its scale, or +SPAN from the body's epoch, which is the default")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--stop", options->stops,
+                   "Last time, or +SPAN from the first; --start and --stop again make another segment of an AEM")
+      ->allow_extra_args(false);
+  command->add_option("--step", options->step, "Distance of rows, in s, or with unit s, min, h, d");
+  command->add_option("--count", options->count, "Number of rows, both ends included")->check(CLI::PositiveNumber);
+  command->add_option("--times", options->times, "Dates separated by commas, or a file with one date a line");
+  command->add_option("--frame", options->frame, "Inertial frame of the attitude")->capture_default_str();
+  command->add_option("--scale", options->scale, "Time scale of the rows, and of dates that name none")
+      ->capture_default_str();
+  command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
+  command->add_flag("--momentum", options->momentum, "Write the angular momentum too (FITS, CSV, ECSV)");
+  command->add_option("--adm", options->adm, "Version of the CCSDS message, 1.0 or 2.0")->capture_default_str();
+  command->add_option("--attitude-type", options->attitude_type, "ATTITUDE_TYPE of an AEM")->capture_default_str();
+  command->add_option("--euler-sequence", options->euler_sequence, "Axes of an AEM's Euler angles")
+      ->capture_default_str();
+  command->callback([options] { propagate(*options); });
+}
+
+}  // namespace polhode::tools
