@@ -7,12 +7,13 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/motion/legendre.hpp"
+#include "polhode/motion/rivals/rivals.hpp"
 #include "polhode/motion/theta.hpp"
 
 namespace polhode {
 
 std::span<const Method> methods() {
-  static const std::vector<Method> all{
+  static const std::vector<Method> exact{
       {.name = "theta",
        .kind = "exact",
        .order = "exact",
@@ -31,6 +32,12 @@ std::span<const Method> methods() {
        .source = "legendre.md; Leroy 2020, On an Article by Celledoni et al.",
        .make = make_legendre},
   };
+  static const std::vector<Method> all = [] {
+    std::vector<Method> list = exact;
+    const std::span<const Method> integrators = rivals::methods();
+    list.insert(list.end(), integrators.begin(), integrators.end());
+    return list;
+  }();
   return all;
 }
 

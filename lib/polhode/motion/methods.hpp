@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -7,6 +8,14 @@
 #include "polhode/motion/motion.hpp"
 
 namespace polhode {
+
+/// What a user may choose about an integrator. Zero leaves the choice to the method.
+struct StepControl {
+  double step_s = 0.0;     ///< of fixed-step methods; by default a hundredth of a turn at the initial rate
+  double tolerance = 0.0;  ///< of adaptive methods, absolute and relative, |m| and |q| being 1; by default 1e-10
+  /// A span that would cost more than about this is not computed: its answers are NaN. 0 is no limit.
+  std::int64_t max_evaluations = 0;
+};
 
 /// A method of computing the free motion, as `polhode methods` lists it.
 struct Method {
@@ -19,6 +28,9 @@ struct Method {
   std::unique_ptr<FreeMotion> (*make)(const FreeBody&);
   /// The same for one short step inside a splitting method, in plain double; null where there is no cheaper form.
   std::unique_ptr<FreeMotion> (*make_short)(const FreeBody&) = nullptr;
+  /// Integrators: the same as `make`, under control; null for the exact methods, which need none.
+  std::unique_ptr<FreeMotion> (*make_controlled)(const FreeBody&, const StepControl&) = nullptr;
+  bool fixed_step = false;  ///< controlled by StepControl::step_s, else by its tolerance
 };
 
 /// All methods, the recommended first.

@@ -1,0 +1,63 @@
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
+#include <memory>
+
+#include "polhode/motion/rivals/fixed_step.hpp"
+#include "polhode/motion/rivals/general_purpose.hpp"
+#include "polhode/motion/rivals/right_hand_side.hpp"
+
+namespace polhode::rivals {
+
+namespace {
+
+int derivative(sunrealtype, N_Vector y, N_Vector dydt, void* body) {
+  std::array<double, 7> from, to;
+  std::copy_n(NV_DATA_S(y), 7, from.begin());
+  (*static_cast<const RightHandSide<double>*>(body))(from, to);
+  std::copy_n(to.begin(), 7, NV_DATA_S(dydt));
+  return 0;
+}
+
+template <class T, class Free>
+std::unique_ptr<T, Free> owned(T* p, Free free) {
+  return {p, free};
+}
+
+}  // namespace
+
+std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> times, State<double>* out) {
+  SUNContext raw_context = nullptr;
+  if (SUNContext_Create(nullptr, &raw_context) != 0) {
+    no_answer(out, 0, times.size());
+    return 0;
+  }
+  const auto context = owned(raw_context, [](SUNContext c) { SUNContext_Free(&c); });
+  RightHandSide<double> f{{problem.body.x[0], problem.body.x[1], problem.body.x[2]}};
+  std::array<double, 7> y = pack(problem.start);
+  const auto vector = owned(N_VMake_Serial(7, y.data(), context.get()), N_VDestroy);
+  const auto memory = owned(CVodeCreate(CV_ADAMS, context.get()), [](void* m) { CVodeFree(&m); });
+  const auto iteration = owned(SUNNonlinSol_FixedPoint(vector.get(), 0, context.get()), SUNNonlinSolFree);
+  void* const cvode = memory.get();
+  std::size_t done = 0;
+  if (CVodeInit(cvode, derivative, 0.0, vector.get()) == CV_SUCCESS &&
+      CVodeSStolerances(cvode, problem.tolerance, problem.tolerance) == CV_SUCCESS &&
+      CVodeSetUserData(cvode, &f) == CV_SUCCESS && CVodeSetNonlinearSolver(cvode, iteration.get()) == CV_SUCCESS &&
+      CVodeSetErrHandlerFn(
+          cvode, [](int, const char*, const char*, char*, void*) {}, nullptr) == CV_SUCCESS &&
+      CVodeSetMaxNumSteps(cvode, static_cast<long>(problem.max_evaluations)) == CV_SUCCESS) {
+    for (; done < times.size(); ++done) {
+      double t = 0.0;
+      if (times[done] != 0.0 && CVode(cvode, times[done], vector.get(), &t, CV_NORMAL) < 0) break;
+      out[done] = unpack(y);
+      if (!is_finite(out[done])) break;
+    }
+  }
+  no_answer(out, done, times.size());
+  long evaluations = 0;
+  CVodeGetNumRhsEvals(cvode, &evaluations);
+  return evaluations;
+}
+
+}  // namespace polhode::rivals

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "polhode/motion/rivals/integrated_motion.hpp"
+
+namespace polhode::rivals {
+
+/// From instant `from` on, a method has no answer.
+inline void no_answer(State<double>* out, std::size_t from, std::size_t count) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = from; i < count; ++i) out[i] = {{nan, nan, nan, nan}, {nan, nan, nan}};
+}
+
+/// Drives a fixed-step scheme: between two instants as many equal steps as make them no longer than the one wanted.
+/// Equally spaced instants, equal but for the rounding of the times, share one scheme and its constants.
+template <class Scheme>
+std::int64_t run_fixed_step(const Problem& problem, std::span<const double> times, State<double>* out) {
+  State<double> y = problem.start;
+  std::optional<Scheme> scheme;
+  std::int64_t evaluations = 0;
+  double t = 0.0, step = 0.0, steps = 0.0;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const double interval = times[i] - t;
+    const double rounding = 4.0 * std::numeric_limits<double>::epsilon() * std::abs(times[i]);
+    if (!scheme || !(std::abs(interval - steps * step) <= rounding)) {
+      steps = std::ceil((std::abs(interval) - rounding) / problem.step);
+      if (!(steps > 0.0)) steps = interval == 0.0 ? 0.0 : 1.0;
+      step = steps > 0.0 ? interval / steps : 0.0;
+      if (scheme) evaluations += scheme->evaluations;
+      scheme.emplace(problem.body, y, step);
+    }
+    if (!(steps + static_cast<double>(evaluations + scheme->evaluations) <=
+          static_cast<double>(problem.max_evaluations))) {
+      no_answer(out, i, times.size());
+      break;
+    }
+    scheme->advance(y, static_cast<std::int64_t>(steps));
+    if (!is_finite(y)) {
+      no_answer(out, i, times.size());
+      break;
+    }
+    t += steps * step;
+    out[i] = y;
+  }
+  return evaluations + (scheme ? scheme->evaluations : 0);
+}
+
+}  // namespace polhode::rivals

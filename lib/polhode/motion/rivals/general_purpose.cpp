@@ -1,0 +1,131 @@
+#include "polhode/motion/rivals/general_purpose.hpp"
+
+#include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
+#include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/dense_output_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/generation.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <boost/numeric/odeint/util/odeint_error.hpp>
+#include <cmath>
+#include <functional>
+#include <memory>
+
+#include "polhode/motion/rivals/fixed_step.hpp"
+#include "polhode/motion/rivals/right_hand_side.hpp"
+#include "polhode/motion/rivals/taylor.hpp"
+
+namespace polhode::rivals {
+
+namespace odeint = boost::numeric::odeint;
+
+namespace {
+
+using Y = std::array<double, 7>;
+
+struct Counted {
+  RightHandSide<double> f;
+  std::int64_t count = 0;
+  void operator()(const Y& y, Y& dydt, double) {
+    ++count;
+    f(y, dydt);
+  }
+};
+
+Counted right_hand_side(const Problem& problem) {
+  return {{{problem.body.x[0], problem.body.x[1], problem.body.x[2]}}};
+}
+
+/// A controlled stepper from instant to instant; the last step before an instant is cut to meet it, and the step after
+/// it starts from the length that the cut one would have had.
+template <class Stepper>
+std::int64_t run_controlled(Stepper stepper, const Problem& problem, std::span<const double> times,
+                            State<double>* out) {
+  Counted f = right_hand_side(problem);
+  Y y = pack(problem.start);
+  const double direction = times.back() < 0.0 ? -1.0 : 1.0;
+  double t = 0.0;
+  double next = direction * std::min(problem.step, std::abs(times.back()));
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    while (direction * (times[i] - t) > 0.0) {
+      const double left = times[i] - t;
+      const bool cut = std::abs(next) >= std::abs(left);
+      double step = cut ? left : next;
+      const auto outcome = stepper.try_step(std::ref(f), y, t, step);
+      const bool accepted = outcome == odeint::success;
+      if (cut && accepted) t = times[i];
+      if (!cut || !accepted || std::abs(step) > std::abs(next)) next = step;
+      if (!(std::abs(next) > 1e-15 * std::abs(t)) || f.count > problem.max_evaluations) {
+        no_answer(out, i, times.size());
+        return f.count;
+      }
+    }
+    out[i] = unpack(y);
+    if (!is_finite(out[i])) {
+      no_answer(out, i, times.size());
+      return f.count;
+    }
+  }
+  return f.count;
+}
+
+}  // namespace
+
+std::int64_t run_dormand_prince_5(const Problem& problem, std::span<const double> times, State<double>* out) {
+  auto stepper = odeint::make_dense_output(problem.tolerance, problem.tolerance, odeint::runge_kutta_dopri5<Y>());
+  Counted f = right_hand_side(problem);
+  const double direction = times.back() < 0.0 ? -1.0 : 1.0;
+  stepper.initialize(pack(problem.start), 0.0, direction * problem.step);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    try {
+      while (direction * (times[i] - stepper.current_time()) > 0.0) {
+        stepper.do_step(std::ref(f));
+        if (!(std::abs(stepper.current_time_step()) > 1e-15 * std::abs(stepper.current_time())) ||
+            f.count > problem.max_evaluations) {
+          no_answer(out, i, times.size());
+          return f.count;
+        }
+      }
+    } catch (const odeint::step_adjustment_error&) {  // no step is short enough
+      no_answer(out, i, times.size());
+      return f.count;
+    }
+    Y y = pack(problem.start);
+    if (times[i] != 0.0) stepper.calc_state(times[i], y);
+    out[i] = unpack(y);
+  }
+  return f.count;
+}
+
+std::int64_t run_fehlberg_78(const Problem& problem, std::span<const double> times, State<double>* out) {
+  return run_controlled(
+      odeint::make_controlled(problem.tolerance, problem.tolerance, odeint::runge_kutta_fehlberg78<Y>()), problem,
+      times, out);
+}
+
+std::int64_t run_bulirsch_stoer(const Problem& problem, std::span<const double> times, State<double>* out) {
+  return run_controlled(odeint::bulirsch_stoer<Y>(problem.tolerance, problem.tolerance), problem, times, out);
+}
+
+std::int64_t run_taylor(const Problem& problem, std::span<const double> times, State<double>* out) {
+  const auto taylor = std::make_unique<Taylor<double>>(problem.body, problem.tolerance);
+  State<double> y = problem.start;
+  const double direction = times.back() < 0.0 ? -1.0 : 1.0;
+  double t = 0.0;
+  double step = direction * taylor->expand(y);
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    while (direction * (times[i] - (t + step)) > 0.0) {
+      y = taylor->at(step);
+      t += step;
+      step = direction * taylor->expand(y);
+      if (!(std::abs(step) > 1e-15 * std::abs(t)) || taylor->evaluations > problem.max_evaluations) {
+        no_answer(out, i, times.size());
+        return taylor->evaluations;
+      }
+    }
+    out[i] = with_common_turn(taylor->at(times[i] - t), problem.body.x[1] * times[i]);
+  }
+  return taylor->evaluations;
+}
+
+}  // namespace polhode::rivals

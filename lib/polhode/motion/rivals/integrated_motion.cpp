@@ -1,0 +1,73 @@
+#include "polhode/motion/rivals/integrated_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace polhode::rivals {
+
+namespace {
+constexpr double default_steps_per_turn = 100.0;
+constexpr double default_tolerance = 1e-10;
+}  // namespace
+
+IntegratedMotion::IntegratedMotion(const FreeBody& body, const StepControl& control, Run run) : run_(run) {
+  momentum_ = body.momentum_body.stableNorm();
+  time_unit_ = body.principal_moments[1] / momentum_;
+  const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body).stableNormalized();
+  for (int i = 0; i < 4; ++i) problem_.start.q[i] = q[i];
+  double rate = 0.0;
+  for (int i = 0; i < 3; ++i) {
+    problem_.body.x[i] = body.principal_moments[1] / body.principal_moments[i];
+    problem_.start.m[i] = momentum_ > 0.0 ? body.momentum_body[i] / momentum_ : 0.0;
+    rate = std::hypot(rate, problem_.body.x[i] * problem_.start.m[i]);
+  }
+  problem_.step = control.step_s > 0.0 ? control.step_s / time_unit_ : 2.0 * EIGEN_PI / (default_steps_per_turn * rate);
+  problem_.tolerance = control.tolerance > 0.0 ? control.tolerance : default_tolerance;
+  problem_.max_evaluations =
+      control.max_evaluations > 0 ? control.max_evaluations : std::numeric_limits<std::int64_t>::max();
+}
+
+FreeState IntegratedMotion::at(double t_high_s, double t_low_s) const {
+  Eigen::Vector4d q;
+  FreeState state;
+  integrate({{&t_high_s, 1}, {&t_low_s, 1}}, StateArrays::of_structures(q.data(), state.momentum_body.data()));
+  state.q_inertial_from_body = from_scalar_first(q);
+  return state;
+}
+
+std::int64_t IntegratedMotion::integrate(const TimeArrays& times, const StateArrays& out) const {
+  const std::size_t count = times.high.size();
+  std::vector<double> tau(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    tau[i] = (times.high[i] + (times.low.empty() ? 0.0 : times.low[i])) / time_unit_;
+  }
+  std::vector<std::size_t> order(count);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (!std::is_sorted(tau.begin(), tau.end())) {
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return tau[a] < tau[b]; });
+    std::sort(tau.begin(), tau.end());
+  }
+  const auto past = static_cast<std::size_t>(std::lower_bound(tau.begin(), tau.end(), 0.0) - tau.begin());
+  std::reverse(tau.begin(), tau.begin() + static_cast<std::ptrdiff_t>(past));
+  std::reverse(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(past));
+
+  std::vector<State<double>> states(count, problem_.start);
+  std::int64_t evaluations = 0;
+  if (momentum_ > 0.0) {  // else at rest
+    const std::span<const double> all(tau);
+    if (past > 0) evaluations += run_(problem_, all.first(past), states.data());
+    if (past < count) evaluations += run_(problem_, all.subspan(past), states.data() + past);
+  }
+  for (std::size_t n = 0; n < count; ++n) {
+    const auto row = static_cast<std::ptrdiff_t>(order[n]);
+    for (int k = 0; k < 4; ++k) out.q[k][row * out.q_stride] = states[n].q[k];
+    if (out.m[0] == nullptr) continue;
+    for (int k = 0; k < 3; ++k) out.m[k][row * out.m_stride] = states[n].m[k] * momentum_;
+  }
+  return evaluations;
+}
+
+}  // namespace polhode::rivals

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "polhode/motion/methods.hpp"
+#include "polhode/motion/motion.hpp"
+#include "polhode/motion/rivals/state.hpp"
+
+namespace polhode::rivals {
+
+/// A body in its own units, |m| = 1 and I2 = 1, so that no method is troubled by the user's.
+struct Problem {
+  InverseMoments<double> body;
+  State<double> start;
+  double step = 0.0;
+  double tolerance = 0.0;
+  std::int64_t max_evaluations = 0;
+};
+
+/// Advances from time 0 through `times`, which move away from 0 in one direction; fills as many states, with NaN from
+/// where the method cannot go on. Returns the number of evaluations of the right-hand side or of an exact part.
+using Run = std::int64_t (*)(const Problem& problem, std::span<const double> times, State<double>* out);
+
+/// A motion that an integrator answers: at() integrates from t = 0, batch() passes once through the sorted times.
+class IntegratedMotion final : public FreeMotion {
+ public:
+  IntegratedMotion(const FreeBody& body, const StepControl& control, Run run);
+
+  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+  void batch(const TimeArrays& times, const StateArrays& out) const override { integrate(times, out); }
+
+  /// batch(), and the number of evaluations that it took.
+  std::int64_t integrate(const TimeArrays& times, const StateArrays& out) const;
+
+ private:
+  Problem problem_;
+  Run run_;
+  double momentum_;   ///< |m| in the user's unit
+  double time_unit_;  ///< I2 / |m|, s
+};
+
+}  // namespace polhode::rivals

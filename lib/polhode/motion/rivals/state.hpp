@@ -1,0 +1,127 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+namespace polhode::rivals {
+
+/// Quadruple precision where the compiler has it: the reference answers and the measured orders of high-order methods
+/// need more digits than a double. A long double elsewhere (quadruple on AArch64).
+#ifdef __SIZEOF_FLOAT128__
+__extension__ typedef __float128 Extended;
+inline constexpr double extended_epsilon = 0x1p-112;
+#else
+using Extended = long double;
+inline constexpr double extended_epsilon = static_cast<double>(__LDBL_EPSILON__);
+#endif
+
+/// What every integrator advances: attitude (body to inertial, scalar first) and angular momentum in the principal
+/// axes. The driver (integrated_motion.hpp) scales momentum and time so that |m| = 1 and I2 = 1.
+template <class Real>
+struct State {
+  Real q[4];
+  Real m[3];
+};
+
+/// 1 / principal moments.
+template <class Real>
+struct InverseMoments {
+  Real x[3];
+};
+
+inline double square_root(double a) { return std::sqrt(a); }
+inline Extended square_root(Extended a) {
+  if (!(a > Extended(0))) return a == Extended(0) ? a : Extended(std::nan(""));
+  Extended r = Extended(std::sqrt(static_cast<double>(a)));
+  for (int i = 0; i < 3; ++i) r = (r + a / r) / Extended(2);  // 53, 106, 113 bits
+  return r;
+}
+
+template <class Real>
+struct SineCosine {
+  Real sine, cosine;
+};
+
+/// Sine and cosine. Steps turn by less than half a radian, where two short polynomials (Taylor's; remainder below
+/// 2^-54 relative) are several times faster than the library's general functions and can be inlined.
+inline SineCosine<double> sine_cosine(double a) {
+  if (!(std::abs(a) < 0.5)) return {std::sin(a), std::cos(a)};
+  const double z = a * a;
+  const double s =
+      -1.0 / 6 + z * (1.0 / 120 + z * (-1.0 / 5040 + z * (1.0 / 362880 + z * (-1.0 / 39916800 + z / 6227020800.0))));
+  const double c =
+      1.0 / 24 +
+      z * (-1.0 / 720 + z * (1.0 / 40320 + z * (-1.0 / 3628800 + z * (1.0 / 479001600 - z / 87178291200.0))));
+  return {a + a * z * s, 1.0 - 0.5 * z + z * z * c};
+}
+
+/// The same for |a| below about 1e9: reduced by 2 pi, halved four times, Taylor series, doubled back.
+inline SineCosine<Extended> sine_cosine(Extended a) {
+  // pi in three doubles (OEIS A000796).
+  const Extended two_pi = Extended(2) * (Extended(3.141592653589793116) + Extended(1.2246467991473532e-16) -
+                                         Extended(2.9947698097183397e-33));
+  a -= two_pi * Extended(std::nearbyint(static_cast<double>(a / two_pi)));
+  const Extended b = a / Extended(16);
+  const Extended z = b * b;
+  Extended s = 0, v = 0;  // v = 1 - cosine keeps the small part through the doublings
+  for (int n = 14; n >= 1; --n) {
+    s = -(Extended(1) + s) * z / Extended((2 * n) * (2 * n + 1));
+    v = Extended(1) / Extended((2 * n - 1) * (2 * n)) * (Extended(1) - v * z);
+  }
+  v *= z;
+  s = b + b * s;
+  for (int i = 0; i < 4; ++i) {
+    const Extended c = Extended(1) - v;
+    v = Extended(2) * s * s;
+    s = Extended(2) * s * c;
+  }
+  return {s, Extended(1) - v};
+}
+
+/// q (cosine, sine * axis K): the attitude after a turn about body axis K, 0 to 2, by twice the angle.
+template <int K, class Real>
+inline void turn_about_axis(State<Real>& y, Real half_angle) {
+  constexpr int i = (K + 1) % 3, j = (K + 2) % 3;
+  const auto [s, c] = sine_cosine(half_angle);
+  const Real q0 = y.q[0], qk = y.q[K + 1], qi = y.q[i + 1], qj = y.q[j + 1];
+  y.q[0] = c * q0 - s * qk;
+  y.q[K + 1] = c * qk + s * q0;
+  y.q[i + 1] = c * qi + s * qj;
+  y.q[j + 1] = c * qj - s * qi;
+  const Real s2 = Real(2) * s * c, c2 = Real(1) - Real(2) * s * s;
+  const Real mi = y.m[i], mj = y.m[j];
+  y.m[i] = c2 * mi + s2 * mj;
+  y.m[j] = c2 * mj - s2 * mi;
+}
+
+/// q becomes q (scalar, v).
+template <class Real>
+inline void multiply_quaternion(Real q[4], Real scalar, Real vx, Real vy, Real vz) {
+  const Real q0 = q[0], q1 = q[1], q2 = q[2], q3 = q[3];
+  q[0] = q0 * scalar - (q1 * vx + q2 * vy + q3 * vz);
+  q[1] = q1 * scalar + (q0 * vx + q2 * vz - q3 * vy);
+  q[2] = q2 * scalar + (q0 * vy + q3 * vx - q1 * vz);
+  q[3] = q3 * scalar + (q0 * vz + q1 * vy - q2 * vx);
+}
+
+/// The momentum that a body turned by the quaternion (scalar, v), of length 1, sees: m becomes conj(p) m p.
+template <class Real>
+inline void turn_momentum(Real m[3], Real scalar, Real vx, Real vy, Real vz) {
+  const Real two(2);
+  const Real tx = two * (m[1] * vz - m[2] * vy);  // 2 m x v
+  const Real ty = two * (m[2] * vx - m[0] * vz);
+  const Real tz = two * (m[0] * vy - m[1] * vx);
+  m[0] += scalar * tx + (ty * vz - tz * vy);
+  m[1] += scalar * ty + (tz * vx - tx * vz);
+  m[2] += scalar * tz + (tx * vy - ty * vx);
+}
+
+template <class Real>
+inline bool is_finite(const State<Real>& y) {
+  double sum = 0.0;
+  for (const Real& a : y.q) sum += static_cast<double>(a);
+  for (const Real& a : y.m) sum += static_cast<double>(a);
+  return std::isfinite(sum);
+}
+
+}  // namespace polhode::rivals

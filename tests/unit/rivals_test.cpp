@@ -1,0 +1,418 @@
+// The rival integrators: measured orders, what they keep, where they fail and why; and the quadruple-precision
+// reference that measures them, against the tabulated truth.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "polhode/motion/rivals/discrete_moser_veselov.hpp"
+#include "polhode/motion/rivals/implicit_midpoint.hpp"
+#include "polhode/motion/rivals/integrated_motion.hpp"
+#include "polhode/motion/rivals/lie_group.hpp"
+#include "polhode/motion/rivals/quaternion_steps.hpp"
+#include "polhode/motion/rivals/reference.hpp"
+#include "polhode/motion/rivals/rivals.hpp"
+#include "polhode/motion/rivals/splitting.hpp"
+#include "polhode/read/case_file.hpp"
+
+namespace polhode::rivals {
+namespace {
+
+double as_double(Extended a) { return static_cast<double>(a); }
+
+/// 34 decimal digits.
+Extended parse(const std::string& text) {
+  std::size_t i = 0;
+  const bool negative = text[i] == '-';
+  if (negative) ++i;
+  Extended value = 0;
+  int exponent = 0;
+  for (bool fraction = false; i < text.size() && text[i] != 'e'; ++i) {
+    if (text[i] == '.') {
+      fraction = true;
+      continue;
+    }
+    value = value * Extended(10) + Extended(text[i] - '0');
+    if (fraction) --exponent;
+  }
+  if (i < text.size()) exponent += std::stoi(text.substr(i + 1));
+  Extended scale = 1;
+  for (int n = std::abs(exponent); n > 0; --n) scale *= Extended(10);
+  value = exponent < 0 ? value / scale : value * scale;
+  return negative ? -value : value;
+}
+
+template <class Real>
+double angle_between(const Real a[4], const Real b[4]) {
+  Real d[4] = {a[0], -a[1], -a[2], -a[3]};
+  multiply_quaternion(d, b[0], b[1], b[2], b[3]);
+  return 2.0 * std::hypot(as_double(d[1]), as_double(d[2]), as_double(d[3]));
+}
+
+CaseFile case_file(const std::string& name) { return read_case_file(POLHODE_DATA_DIR "/truth/dev/" + name + ".case"); }
+
+Reference reference_of(const CaseFile& wanted) {
+  const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
+  return Reference(extended(wanted.body), std::min(*first, 0.0), std::max(*last, 0.0));
+}
+
+/// Rows of a truth file: q, m, kappa.
+struct TruthRow {
+  double t;
+  Extended q[4];
+  Extended m[3];
+  double kappa;
+};
+
+std::vector<TruthRow> truth_of(const std::string& name) {
+  std::ifstream file(POLHODE_DATA_DIR "/truth/dev/" + name + ".truth");
+  std::vector<TruthRow> rows;
+  for (std::string line; std::getline(file, line);) {
+    if (line.starts_with('#')) continue;
+    std::istringstream fields(line);
+    std::string word[9];
+    for (std::string& w : word) fields >> w;
+    TruthRow row;
+    row.t = std::strtod(word[0].c_str(), nullptr);
+    for (int i = 0; i < 4; ++i) row.q[i] = parse(word[1 + i]);
+    for (int i = 0; i < 3; ++i) row.m[i] = parse(word[5 + i]);
+    row.kappa = std::stod(word[8]);
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+TEST(Reference, AgreesWithTheTabulatedTruthToItsLastDigits) {
+  constexpr double units_in_the_last_place = 1e4;
+  double worst = 0.0;
+  std::string where = "nowhere";
+  int rows = 0, undetermined = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(POLHODE_DATA_DIR "/truth/dev")) {
+    if (entry.path().extension() != ".case") continue;
+    const std::string name = entry.path().stem().string();
+    const CaseFile wanted = case_file(name);
+    const Reference reference = reference_of(wanted);
+    for (const TruthRow& row : truth_of(name)) {
+      if (row.kappa > 1e16) {  // a double of the inputs determines nothing
+        ++undetermined;
+        continue;
+      }
+      ++rows;
+      const State<Extended> y = reference.at(row.t);
+      double error = angle_between(row.q, y.q);
+      Extended square = 0;
+      const Extended scale = std::max(1e-300, wanted.body.momentum_body.cwiseAbs().maxCoeff());
+      for (const Extended& m : row.m) square += (m / scale) * (m / scale);
+      const Extended momentum = square > Extended(0) ? square_root(square) * scale : Extended(1);
+      for (int i = 0; i < 3; ++i) error = std::max(error, std::abs(as_double(row.m[i] / momentum - y.m[i])));
+      const double scaled = error / (extended_epsilon * std::max(1.0, row.kappa));
+      if (!(scaled <= worst)) {
+        worst = scaled;
+        where = name + " t " + std::to_string(row.t);
+        ASSERT_FALSE(std::isnan(scaled)) << where;
+      }
+    }
+  }
+  std::printf("%d rows, %d undetermined, worst %.3g units at %s\n", rows, undetermined, worst, where.c_str());
+  EXPECT_GT(rows, 1000);
+  EXPECT_LE(worst, units_in_the_last_place) << where;
+}
+
+TEST(Reference, ConditionNumbersAreThoseOfTheTruth) {
+  for (const std::string name : {"sam-01", "lam-02", "nearsep-03", "nearprin2-04", "needle-01", "nearsphere-03"}) {
+    const CaseFile wanted = case_file(name);
+    const std::vector<double> kappas = condition_numbers(wanted.body, wanted.times_s);
+    const std::vector<TruthRow> truth = truth_of(name);
+    ASSERT_EQ(kappas.size(), truth.size());
+    for (std::size_t i = 0; i < truth.size(); ++i) {
+      if (truth[i].kappa > 1e13) continue;  // differences are no longer small
+      EXPECT_NEAR(std::log10(kappas[i] / truth[i].kappa), 0.0, 0.2) << name << " row " << i;
+    }
+  }
+}
+
+// --- Orders
+// -----------------------------------------------------------------------------------------------------------
+
+/// Greatest error of attitude and momentum after `steps` steps of `span`, in quadruple precision.
+template <template <class> class Scheme>
+double error_after(const ExtendedBody& body, double span, std::int64_t steps) {
+  InverseMoments<Extended> x;
+  State<Extended> y;
+  for (int i = 0; i < 3; ++i) x.x[i] = Extended(1) / body.moments[i];
+  for (int i = 0; i < 4; ++i) y.q[i] = body.q[i];
+  for (int i = 0; i < 3; ++i) y.m[i] = body.m[i];
+  Scheme<Extended> scheme(x, y, Extended(span) / Extended(static_cast<double>(steps)));
+  scheme.advance(y, steps);
+  const State<Extended> exact = Reference(body, 0.0, span).at(span);
+  double error = angle_between(exact.q, y.q);
+  for (int i = 0; i < 3; ++i) error = std::max(error, std::abs(as_double(exact.m[i] - y.m[i])));
+  return error;
+}
+
+/// A body with |m| = 1 and every component of everything in play.
+ExtendedBody generic_body() {
+  ExtendedBody body{{Extended(0.6), Extended(1.0), Extended(1.3)},
+                    {Extended(0.5), Extended(-0.5), Extended(0.5), Extended(0.5)},
+                    {Extended(0.48), Extended(0.6), Extended(0.64)}};
+  Extended square = 0;
+  for (const Extended& m : body.m) square += m * m;
+  for (Extended& m : body.m) m /= square_root(square);
+  return body;
+}
+
+template <template <class> class Scheme>
+void expect_order(const char* name, int nominal, std::int64_t steps) {
+  const ExtendedBody body = generic_body();
+  constexpr double span = 8.0;
+  const double coarse = error_after<Scheme>(body, span, steps), fine = error_after<Scheme>(body, span, 2 * steps);
+  const double order = std::log2(coarse / fine);
+  std::printf("%-22s nominal %2d measured %6.3f  (%.2e -> %.2e)\n", name, nominal, order, coarse, fine);
+  EXPECT_EQ(Scheme<Extended>::order, nominal) << name;
+  EXPECT_NEAR(order, nominal, 0.2) << name;
+}
+
+template <class Real>
+using TopAndRotation2 = TopAndRotation<Real, 2>;
+template <class Real>
+using TopAndRotation4 = TopAndRotation<Real, 4>;
+template <class Real>
+using TopAndRotation6 = TopAndRotation<Real, 6>;
+template <class Real>
+using TopAndRotation8 = TopAndRotation<Real, 8>;
+template <class Real>
+using DiscreteMoserVeselov2 = DiscreteMoserVeselov<Real, 2>;
+template <class Real>
+using DiscreteMoserVeselov6 = DiscreteMoserVeselov<Real, 6>;
+template <class Real>
+using DiscreteMoserVeselov10 = DiscreteMoserVeselov<Real, 10>;
+template <class Real>
+using PlainRungeKutta4 = ClassicalRungeKutta4<Real, false>;
+template <class Real>
+using RenormalisedRungeKutta4 = ClassicalRungeKutta4<Real, true>;
+
+TEST(Rivals, FixedStepMethodsHaveTheirOrder) {
+  expect_order<ThreeRotations>("three-rotations", 2, 200);
+  expect_order<TopAndRotation2>("top-rotation", 2, 200);
+  expect_order<TopAndRotation4>("top-rotation-4", 4, 100);
+  expect_order<TopAndRotation6>("top-rotation-6", 6, 50);
+  expect_order<TopAndRotation8>("top-rotation-8", 8, 12);
+  expect_order<DiscreteMoserVeselov2>("dmv", 2, 200);
+  expect_order<DiscreteMoserVeselov6>("dmv-6", 6, 100);
+  expect_order<DiscreteMoserVeselov10>("dmv-10", 10, 100);
+  expect_order<ImplicitMidpoint>("implicit-midpoint", 2, 200);
+  expect_order<RungeKuttaMuntheKaas4>("rkmk-4", 4, 200);
+  expect_order<CommutatorFree4>("commutator-free-4", 4, 200);
+  expect_order<PlainRungeKutta4>("rk4", 4, 200);
+  expect_order<RenormalisedRungeKutta4>("rk4-renormalised", 4, 200);
+  expect_order<FirstOrderQuaternion>("quaternion-1", 1, 20000);
+}
+
+// --- What they keep, and what they do not
+// -----------------------------------------------------------------------------
+
+struct Errors {
+  double attitude = 0.0, momentum = 0.0, energy = 0.0, inertial_momentum = 0.0, norm = 0.0;
+};
+
+/// A generic body that turns once in about 6 s, and its errors at `count` instants over `span_s`.
+FreeBody tumbling_body() { return {{0.6, 1.0, 1.3}, from_scalar_first({0.5, -0.5, 0.5, 0.5}), {0.48, 0.6, 0.64}}; }
+
+double energy(const FreeBody& body, const Vector3& m) {
+  return 0.5 * m.cwiseProduct(m).cwiseQuotient(body.principal_moments).sum();
+}
+
+Errors errors_of(const FreeMotion& motion, const FreeBody& body, const std::vector<double>& times) {
+  std::vector<double> q(4 * times.size()), m(3 * times.size());
+  motion.batch({times}, StateArrays::of_structures(q.data(), m.data()));
+  const auto [first, last] = std::minmax_element(times.begin(), times.end());
+  const Reference reference(extended(body), std::min(0.0, *first), std::max(0.0, *last));
+  const double length = body.momentum_body.norm();
+  const Vector3 inertial = body.q_inertial_from_body.normalized() * body.momentum_body;
+  Errors e;
+  const auto widen = [](double& a, double b) { a = b <= a ? a : b; };  // NaN stays
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const State<Extended> exact = reference.at(times[i]);
+    const double exact_q[4] = {as_double(exact.q[0]), as_double(exact.q[1]), as_double(exact.q[2]),
+                               as_double(exact.q[3])};
+    const Quaternion attitude = from_scalar_first({q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]});
+    const Vector3 momentum(m[3 * i], m[3 * i + 1], m[3 * i + 2]);
+    widen(e.attitude, angle_between(exact_q, &q[4 * i]));
+    for (int k = 0; k < 3; ++k) widen(e.momentum, std::abs(as_double(exact.m[k]) - momentum[k] / length));
+    widen(e.energy, std::abs(energy(body, momentum) / energy(body, body.momentum_body) - 1.0));
+    widen(e.inertial_momentum, (attitude * momentum - inertial).norm() / length);
+    widen(e.norm, std::abs(attitude.norm() - 1.0));
+  }
+  return e;
+}
+
+std::vector<double> instants(double span_s, int count) {
+  std::vector<double> t;
+  for (int i = 1; i <= count; ++i) t.push_back(span_s * i / count);
+  return t;
+}
+
+double turn_s(const FreeBody& body) {
+  return 2.0 * EIGEN_PI / body.momentum_body.cwiseQuotient(body.principal_moments).norm();
+}
+
+TEST(Rivals, AnswerEveryInstantInAnyOrder) {
+  const FreeBody body = tumbling_body();
+  for (const Method& method : methods()) {
+    const auto motion = method.make(body);
+    const double accuracy = method.name == "quaternion-1" ? 1.0 : method.order == "2" ? 0.1 : 1e-4;
+    const Errors e = errors_of(*motion, body, {3.0, -20.0, 0.0, 20.0, 19.9, -0.5, 3.0});
+    EXPECT_LT(e.attitude, accuracy) << method.name;
+    EXPECT_LT(e.momentum, accuracy) << method.name;
+    // One at a time gives what the batch gives.
+    const FreeState one = motion->at(19.5, 0.5);
+    const double time = 20.0;
+    double q[4], m[3];
+    motion->batch({{&time, 1}}, StateArrays::of_structures(q, m));
+    EXPECT_EQ(one.q_inertial_from_body.w(), q[0]) << method.name;
+    EXPECT_EQ(one.momentum_body[2], m[2]) << method.name;
+  }
+}
+
+TEST(Rivals, RestStaysAtRest) {
+  FreeBody body = tumbling_body();
+  body.momentum_body.setZero();
+  for (const Method& method : methods()) {
+    const FreeState s = method.make(body)->at(1e9);
+    EXPECT_EQ(s.momentum_body.norm(), 0.0) << method.name;
+    EXPECT_EQ(s.q_inertial_from_body.z(), 0.5) << method.name;
+  }
+}
+
+TEST(Rivals, AdaptiveMethodsFollowTheirTolerance) {
+  const FreeBody body = tumbling_body();
+  const std::vector<double> times = instants(10 * turn_s(body), 100);
+  int adaptive = 0;
+  for (const Method& method : methods()) {
+    if (method.fixed_step) continue;
+    ++adaptive;
+    for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
+      const Errors e = errors_of(*method.make_controlled(body, {.tolerance = tolerance}), body, times);
+      EXPECT_LT(e.attitude, 3e3 * tolerance) << method.name << " at " << tolerance;
+    }
+  }
+  EXPECT_GE(adaptive, 4);
+}
+
+TEST(Rivals, KeepWhatTheySayAndNothingElse) {
+  const FreeBody body = tumbling_body();
+  const std::vector<double> times = instants(10 * turn_s(body), 50);
+  constexpr double rounding = 1e-12, seen = 1e-8;
+  for (const Method& method : methods()) {
+    if (!method.fixed_step) continue;
+    const bool momentum = method.conserves.starts_with("momentum");
+    const bool exact_energy = method.conserves.find("energy, ") != std::string_view::npos;
+    const bool norm = method.conserves.find("|q|") != std::string_view::npos;
+    const Errors e = errors_of(*method.make_controlled(body, {.step_s = turn_s(body) / 40}), body, times);
+    const auto kept = [&](const char* what, double error, bool promised) {
+      if (promised) {
+        EXPECT_LT(error, rounding) << method.name << " keeps its " << what;
+      } else {
+        EXPECT_GT(error, seen) << method.name << " does not keep its " << what;
+      }
+    };
+    kept("inertial momentum", e.inertial_momentum, momentum);
+    kept("length of q", e.norm, norm);
+    if (exact_energy) kept("energy", e.energy, true);
+    if (method.conserves == "nothing") kept("energy", e.energy, false);
+  }
+}
+
+TEST(Rivals, SplittingsHaveNoDriftOfEnergyAndLieGroupRungeKuttasDo) {
+  const FreeBody body = tumbling_body();
+  const auto energy_error = [&](std::string_view name, double turns) {
+    const StepControl control{.step_s = turn_s(body) / 20};
+    return errors_of(*method(name).make_controlled(body, control), body, instants(turns * turn_s(body), 200)).energy;
+  };
+  for (const std::string_view name : {"three-rotations", "top-rotation", "top-rotation-4"}) {
+    EXPECT_LT(energy_error(name, 1000), 1.5 * energy_error(name, 50)) << name;
+  }
+  for (const std::string_view name : {"rkmk-4", "commutator-free-4"}) {
+    EXPECT_GT(energy_error(name, 1000), 8 * energy_error(name, 50)) << name;
+  }
+}
+
+// --- Known failures
+// ---------------------------------------------------------------------------------------------------
+
+// Its steps point along the tangent of the sphere |m| = const: every one of them lengthens m, by (h |m x omega|)^2 / 2.
+TEST(KnownFailures, FirstOrderQuaternionGainsMomentum) {
+  const FreeBody body = tumbling_body();
+  const auto motion = method("quaternion-1").make_controlled(body, {.step_s = turn_s(body) / 100});
+  EXPECT_GT(motion->at(10 * turn_s(body)).momentum_body.norm(), 1.1 * body.momentum_body.norm());
+  EXPECT_TRUE(std::isnan(motion->at(1000 * turn_s(body)).momentum_body.norm()));  // overflow
+}
+
+// The length of q is the one error that renormalising removes; the angle is what it was.
+TEST(KnownFailures, RenormalisingDoesNotImproveTheAttitude) {
+  const FreeBody body = tumbling_body();
+  const StepControl control{.step_s = turn_s(body) / 40};
+  const std::vector<double> times = instants(100 * turn_s(body), 50);
+  const Errors plain = errors_of(*method("rk4").make_controlled(body, control), body, times);
+  const Errors renormalised = errors_of(*method("rk4-renormalised").make_controlled(body, control), body, times);
+  EXPECT_GT(plain.norm, 1e-6);
+  EXPECT_LT(renormalised.norm, 1e-15);
+  EXPECT_GT(renormalised.attitude, 0.5 * plain.attitude);
+}
+
+// About a principal axis the sine of the angle of a step is h |omega|: there is no step for h |omega| > 1.
+TEST(KnownFailures, DiscreteMoserVeselovHasNoSolutionForLongSteps) {
+  const FreeBody body{{0.6, 1.0, 1.3}, Quaternion::Identity(), {0.0, 0.0, 1.3}};  // 1 rad/s about the third axis
+  const auto after_one_step = [&](std::string_view name, double step) {
+    return method(name).make_controlled(body, {.step_s = step})->at(step).q_inertial_from_body;
+  };
+  EXPECT_NEAR(2.0 * std::asin(after_one_step("dmv", 0.9).z()), std::asin(0.9), 1e-12);
+  EXPECT_TRUE(std::isnan(after_one_step("dmv", 1.1).z()));
+}
+
+// The energy of a splitting oscillates by a multiple of h^2. Where the separatrix is nearer than that, the numerical
+// motion is on the wrong side: the body turns over where it should not, or the other way round.
+TEST(KnownFailures, SplittingsCrossTheSeparatrix) {
+  // 2 T = |m|^2 / I2 (1 - 1e-9): a short-axis mode, where m3 never changes its sign.
+  const double distance = 1e-9, share = std::sqrt((1 / 0.6 - 1.0) / (1.0 - 1 / 1.3));  // m3 / m1 on the separatrix
+  const FreeBody body{{0.6, 1.0, 1.3}, Quaternion::Identity(), {0.4, 0.6, 0.4 * share * (1.0 + distance)}};
+  const std::vector<double> times = instants(100 * turn_s(body), 2000);
+  std::vector<double> q(4 * times.size()), m(3 * times.size());
+  const auto m3_changes_sign = [&](std::string_view name, double steps_per_turn) {
+    const auto motion = method(name).make_controlled(body, {.step_s = turn_s(body) / steps_per_turn});
+    motion->batch({times}, StateArrays::of_structures(q.data(), m.data()));
+    bool changes = false;
+    for (std::size_t i = 0; i < times.size(); ++i) changes |= !(m[3 * i + 2] > 0.0);
+    return changes;
+  };
+  EXPECT_TRUE(m3_changes_sign("three-rotations", 100));
+  EXPECT_FALSE(m3_changes_sign("dmv", 100));  // keeps the energy: right side, wrong phase
+  EXPECT_FALSE(m3_changes_sign("implicit-midpoint", 100));
+}
+
+// With an error e of the energy the frequency is wrong by about e, and the phase by e times the span: the best
+// fixed-step method loses a digit for every factor of ten in time, or faster.
+TEST(KnownFailures, PhaseErrorGrowsWithTheSpan) {
+  const FreeBody body = tumbling_body();
+  for (const std::string_view name : {"three-rotations", "top-rotation", "dmv", "implicit-midpoint", "dmv-6"}) {
+    const auto motion = method(name).make_controlled(body, {.step_s = turn_s(body) / 30});
+    const double early = errors_of(*motion, body, instants(2 * turn_s(body), 20)).attitude;
+    const double late = errors_of(*motion, body, instants(200 * turn_s(body), 100)).attitude;
+    EXPECT_GT(late, 20 * early) << name;
+  }
+}
+
+TEST(KnownFailures, ATooExpensiveSpanIsNotAnswered) {
+  const FreeBody body = tumbling_body();
+  for (const Method& method : methods()) {
+    const auto motion = method.make_controlled(body, {.max_evaluations = 10000});
+    EXPECT_FALSE(std::isnan(motion->at(turn_s(body)).momentum_body[0])) << method.name;
+    EXPECT_TRUE(std::isnan(motion->at(1e7 * turn_s(body)).momentum_body[0])) << method.name;
+  }
+}
+
+}  // namespace
+}  // namespace polhode::rivals
