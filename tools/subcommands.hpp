@@ -16,6 +16,8 @@ class CheckFailed : public std::runtime_error {
 void add_bench(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_info(CLI::App& app);
+void add_convert_time(CLI::App& app);
+void add_convert_frame(CLI::App& app);
 void add_methods(CLI::App& app);
 void add_propagate(CLI::App& app);
 

@@ -38,6 +38,13 @@ TEST(Time, LeapSecondOf2016) {
   EXPECT_EQ(format_date(utc("2015-12-31T23:59:59.996"), TimeScale::utc, 2), "2016-01-01T00:00:00.00");
 }
 
+TEST(Time, MidnightStaysMidnight) {
+  for (const char* text : {"1972-01-01T00:00:00.000000000000", "1968-02-01T00:00:00.000000000000",
+                           "2017-01-01T00:00:00.000000000000", "1961-01-01T00:00:00.000000000000"}) {
+    EXPECT_EQ(format_date(parse_date(text, TimeScale::utc), TimeScale::utc, 12), text);
+  }
+}
+
 TEST(Time, TheSameDateInEveryNotation) {
   const Instant want = parse_date("2012-12-13T08:30:09", TimeScale::tdb);
   EXPECT_EQ(parse_date("2012-348T08:30:09", TimeScale::tdb), want);

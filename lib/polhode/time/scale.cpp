@@ -147,6 +147,7 @@ UtcReading read_utc(Instant instant) {
     const Seconds second =
         day.drift == 0.0 ? elapsed : elapsed - Seconds{day.drift * drifted, 0.0};  // drift <= 3e-8: one step is exact
     if (second.high >= 0.0) return {day, second};
+    if (second.high > -1e-15) return {day, {}};  // midnight, but for the rounding of TT - TAI
   }
   throw InputError("no UTC day at this instant");
 }

@@ -1,0 +1,97 @@
+#include <fmt/format.h>
+
+#include <iostream>
+#include <iterator>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "output.hpp"
+#include "polhode/base/error.hpp"
+#include "polhode/frames/frame.hpp"
+#include "polhode/read/leap_seconds_file.hpp"
+#include "polhode/time/scale.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+namespace {
+
+// Each line of standard input through `convert`; its result is a line of output.
+template <class Convert>
+void filter_lines(const Convert& convert) {
+  std::string line;
+  fmt::memory_buffer out;
+  for (std::size_t number = 1; std::getline(std::cin, line); ++number) {
+    try {
+      fmt::format_to(std::back_inserter(out), "{}\n", convert(line));
+    } catch (const InputError& error) {
+      throw InputError({"standard input", number}, error.what());
+    }
+  }
+  write_standard_output({out.data(), out.size()});
+}
+
+void add_leap_seconds(CLI::App& command) {
+  command.add_option_function<std::string>(
+      "--leap-seconds", [](const std::string& path) { set_leap_seconds(read_leap_seconds(path)); },
+      "table of leap seconds to use: a NAIF leap-second kernel");
+}
+
+}  // namespace
+
+void add_convert_time(CLI::App& app) {
+  struct Options {
+    std::string from, to;
+    int decimals = 9;
+    bool as_mjd = false;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("convert-time", "Dates of standard input, one a line, in another time scale");
+  command->add_option("--from", options->from, "scale of dates that name none: TT, TAI, UTC, TDB, GPS, ET");
+  command->add_option("--to", options->to, "scale to write")->required();
+  command->add_option("--decimals", options->decimals, "of the second, 0 to 15")->capture_default_str();
+  command->add_flag("--mjd", options->as_mjd, "write the whole day of the MJD and the fraction of that day");
+  add_leap_seconds(*command);
+  command->callback([options] {
+    const TimeScale to = time_scale(options->to);
+    std::optional<TimeScale> from;
+    if (!options->from.empty()) from = time_scale(options->from);
+    filter_lines([&](const std::string& line) {
+      const Instant instant = parse_date_with_scale(line, from).instant;
+      if (!options->as_mjd) return format_date(instant, to, options->decimals);
+      const ModifiedJulianDate date = modified_julian_date(instant, to);
+      return fmt::format("{:.0f} {:.17g}", date.day, date.fraction);
+    });
+  });
+}
+
+void add_convert_frame(CLI::App& app) {
+  struct Options {
+    std::string from, to, scale;
+    EarthOrientation earth;
+  };
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "convert-frame",
+      "For dates of standard input, one a line, the quaternion (scalar first) from one frame to another");
+  command->add_option("--from", options->from, "ICRF, GCRF, EME2000, ECLIPJ2000, ECLIPIAU2006, TEME, ITRF")->required();
+  command->add_option("--to", options->to, "the same; v_to = q v_from q*")->required();
+  command->add_option("--scale", options->scale, "scale of dates that name none: TT, TAI, UTC, TDB, GPS, ET");
+  command->add_option("--ut1-utc", options->earth.ut1_minus_utc_s, "UT1 - UTC, s")->capture_default_str();
+  command->add_option("--pole-x", options->earth.pole_x_arcsec, "polar motion, arcsec")->capture_default_str();
+  command->add_option("--pole-y", options->earth.pole_y_arcsec, "polar motion, arcsec")->capture_default_str();
+  add_leap_seconds(*command);
+  command->callback([options] {
+    const Frame from = frame(options->from), to = frame(options->to);
+    std::optional<TimeScale> scale;
+    if (!options->scale.empty()) scale = time_scale(options->scale);
+    filter_lines([&](const std::string& line) {
+      const Instant instant = parse_date_with_scale(line, scale).instant;
+      const Quaternion q =
+          q_icrf_from(to, instant, options->earth).conjugate() * q_icrf_from(from, instant, options->earth);
+      return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w(), q.x(), q.y(), q.z());
+    });
+  });
+}
+
+}  // namespace polhode::tools
