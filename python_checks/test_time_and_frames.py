@@ -266,6 +266,14 @@ def test_earth_frames(monkeypatch, ut1_minus_utc_s, pole_arcsec):
     assert_same_rotation(matrices(dates, "TEME", "ICRF", *options), np.swapaxes(teme, 1, 2))
 
 
+def test_doubts_are_said_and_the_answer_given():
+    for date, word in (("1950-01-01T00:00:00", "1960"), ("2090-01-01T00:00:00", "not known")):
+        result = run([date], "convert-time", "--from", "UTC", "--to", "TAI")
+        assert word in result.stderr and result.stderr.count("\n") == 1
+    assert run(["2016-12-31T23:59:60"], "convert-time", "--from", "UTC", "--to", "TAI").stderr == ""
+    assert "taken as zero" in run(["2020-01-01 UTC"], "convert-frame", "--from", "ITRF", "--to", "ICRF").stderr
+
+
 def test_bad_lines_are_refused_with_their_number():
     result = run(["2000-01-01", "2000-02-30"], "convert-time", "--from", "TT", "--to", "TAI", check=False)
     assert result.returncode == 2 and "standard input:2: no such date" in result.stderr and result.stdout == ""

@@ -31,6 +31,21 @@ void filter_lines(const Convert& convert) {
   write_standard_output({out.data(), out.size()});
 }
 
+// Doubtful UTC is converted all the same, and said once.
+class UtcDoubts {
+ public:
+  void look_at(Instant instant) {
+    if (said_) return;
+    if (const auto doubt = utc_doubt(instant)) {
+      fmt::print(stderr, "polhode: note: {}: {}\n", format_date(instant, TimeScale::utc, 0), *doubt);
+      said_ = true;
+    }
+  }
+
+ private:
+  bool said_ = false;
+};
+
 void add_leap_seconds(CLI::App& command) {
   command.add_option_function<std::string>(
       "--leap-seconds", [](const std::string& path) { set_leap_seconds(read_leap_seconds(path)); },
@@ -56,8 +71,10 @@ void add_convert_time(CLI::App& app) {
     const TimeScale to = time_scale(options->to);
     std::optional<TimeScale> from;
     if (!options->from.empty()) from = time_scale(options->from);
+    UtcDoubts doubts;
     filter_lines([&](const std::string& line) {
-      const Instant instant = parse_date_with_scale(line, from).instant;
+      const auto [instant, written_in] = parse_date_with_scale(line, from);
+      if (written_in == TimeScale::utc || to == TimeScale::utc) doubts.look_at(instant);
       if (!options->as_mjd) return format_date(instant, to, options->decimals);
       const ModifiedJulianDate date = modified_julian_date(instant, to);
       return fmt::format("{:.0f} {:.17g}", date.day, date.fraction);
@@ -85,10 +102,16 @@ void add_convert_frame(CLI::App& app) {
     const Frame from = frame(options->from), to = frame(options->to);
     std::optional<TimeScale> scale;
     if (!options->scale.empty()) scale = time_scale(options->scale);
+    const EarthOrientation& earth = options->earth;
+    const bool earth_given = earth.ut1_minus_utc_s != 0.0 || earth.pole_x_arcsec != 0.0 || earth.pole_y_arcsec != 0.0;
+    if ((from == Frame::itrf) != (to == Frame::itrf) && !earth_given) {
+      fmt::print(stderr, "polhode: note: UT1 - UTC and polar motion are taken as zero: ITRF is good to 15 arcsec\n");
+    }
+    UtcDoubts doubts;
     filter_lines([&](const std::string& line) {
-      const Instant instant = parse_date_with_scale(line, scale).instant;
-      const Quaternion q =
-          q_icrf_from(to, instant, options->earth).conjugate() * q_icrf_from(from, instant, options->earth);
+      const auto [instant, written_in] = parse_date_with_scale(line, scale);
+      if (written_in == TimeScale::utc) doubts.look_at(instant);
+      const Quaternion q = q_icrf_from(to, instant, earth).conjugate() * q_icrf_from(from, instant, earth);
       return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w(), q.x(), q.y(), q.z());
     });
   });
