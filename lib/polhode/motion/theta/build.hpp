@@ -392,7 +392,7 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   h.x_per_s = scaled(pi_over_k_prime * s.lambda * 0.5, time_exponent);
   h.x_period = two_part(x_period);
   h.reciprocal_x_period = closed ? nearest(1.0 / x_period) : 0.0;
-  h.root_of_nome_bound = nearest(q);
+  h.root_of_nome = nearest(q);
   h.x_to_quarters = nearest(x_to_turns * 4.0);
   h.rho_quarters_per_s = scaled(rho * 2.0 / pi, time_exponent);
 

@@ -87,20 +87,20 @@ template <class V>
   cosine = flip(choose(x.quarter, c, s), (x.quarter + 1) << 62);
 }
 
-/// e^{-(high + low)} for high >= 0, never below e^-700, and scale times its reciprocal; relative errors below 2^-52.
+/// e^{-x} and scale e^x for x >= 0, relative errors below 2^-52; x is taken as 700 beyond that.
 template <class V>
-[[gnu::always_inline]] inline void negative_exponential(const Pair<V>& a, double scale, V& exponential, V& reciprocal) {
-  const V argument = smaller(a.high, all<V>(700.0));
+[[gnu::always_inline]] inline void exponentials(V x, double scale, V& falling, V& growing) {
+  const V argument = smaller(x, all<V>(700.0));
   const V magic = all<V>(kMagic);
   const V shifted = multiply_add(argument, all<V>(-0x1.71547652b82fep+0), magic);  // -1/ln 2
   const V k = shifted - magic;
   V r = multiply_add(k, all<V>(-0x1.62e42fefap-1), -argument);  // exact: the constant has 33 bits
-  r = multiply_add(k, all<V>(-0x1.cf79abc9e3b3ap-40), r) - a.low;
+  r = multiply_add(k, all<V>(-0x1.cf79abc9e3b3ap-40), r);
   const V u = r * r;
   const V even = multiply_add(u, polynomial<4>(kExponentialEven, u), all<V>(1.0));  // cosh r
   const V odd = multiply_add(u * r, polynomial<4>(kExponentialOdd, u), r);          // sinh r
-  exponential = value<V>(bits(even + odd) + (bits(shifted) << 52));
-  reciprocal = (even - odd) * scale * value<V>(bits(all<V>(1.0)) - (bits(shifted) << 52));
+  falling = value<V>(bits(even + odd) + (bits(shifted) << 52));
+  growing = (even - odd) * scale * value<V>(bits(all<V>(1.0)) - (bits(shifted) << 52));
 }
 
 /// Attitude and momentum (times its scale) from alpha and beta, one of them of size near 1, and the phase of rho t.
@@ -168,39 +168,23 @@ struct HyperbolicAt {
 
   template <class V>
   [[gnu::always_inline]] void operator()(V t_high, V t_low, V (&q)[4], V (&m)[3]) const {
-    // x, reduced by n periods
-    const V rate = all<V>(s.x_per_s.high), period = all<V>(s.x_period.high);
+    // x: exact to its last place where e^{-|x|} is not small, since that is where the body turns over.
+    const V rate = all<V>(s.x_per_s.high);
     const V product = t_high * rate;
     V rest = multiply_add(t_high, all<V>(s.x_per_s.low), product_error(t_high, rate, product));
-    rest = multiply_add(t_low, rate, rest);
-    Pair<V> x = two_sum(product, all<V>(s.x_at_0.high));
-    x.low = x.low + (rest + s.x_at_0.low);
-    const V n = nearest_integer(x.high * s.reciprocal_x_period);
-    const V whole = n * period;
-    const V lost = multiply_add(n, all<V>(s.x_period.low), product_error(n, period, whole));
-    const V difference = x.high - whole;  // exact, or n = 0
-    x.low = x.low - lost;
-    const V reduced = difference + x.low;
-    x = {reduced, (difference - reduced) + x.low};
-
-    // E and Y, the larger of them by an exponential: E Y = Q.
-    const auto side = bits(x.high);
-    const Pair<V> from_0{magnitude(x.high), flip(x.low, side)};
-    const V half = all<V>(0.5 * s.x_period.high);
-    const V other_side = half - from_0.high;
-    const Pair<V> from_end{other_side, ((half - other_side) - from_0.high) + (0.5 * s.x_period.low - from_0.low)};
-    const auto near_end = bits(from_end.high - from_0.high) >> 63;  // lowest bit set where nearer to the end
-    V larger_one, smaller_one;
-    negative_exponential<V>(
-        {larger(choose(near_end, from_0.high, from_end.high), V{}), choose(near_end, from_0.low, from_end.low)},
-        s.root_of_nome_bound, larger_one, smaller_one);
-    const V e = choose(near_end, larger_one, smaller_one);
-    const V y = choose(near_end, smaller_one, larger_one);
+    rest = multiply_add(t_low, rate, rest) + s.x_at_0.low;
+    const Pair<V> sum = two_sum(product, all<V>(s.x_at_0.high));
+    const V n = nearest_integer(sum.high * s.reciprocal_x_period);
+    const V x = product_minus(-n, all<V>(s.x_period.high), -sum.high) +
+                multiply_add(-n, all<V>(s.x_period.low), sum.low + rest);
+    const auto side = bits(x);
+    V e, y;
+    exponentials(magnitude(x), s.root_of_nome, e, y);
 
     V sin_phase, cos_phase;
-    sine_cosine(angle(s.rho_quarters_per_s, t_high, t_low, x.high * s.x_to_quarters), sin_phase, cos_phase);
+    sine_cosine(angle(s.rho_quarters_per_s, t_high, t_low, x * s.x_to_quarters), sin_phase, cos_phase);
 
-    const auto parity = bits(multiply_add(n, all<V>(1.0), all<V>(kMagic))) << 63;
+    const auto parity = bits(n + all<V>(kMagic)) << 63;
     const V re_alpha = multiply_add(e, polynomial<Degree>(s.polynomial[4], e), polynomial<Degree>(s.polynomial[0], y));
     const V im_alpha = multiply_add(-e, polynomial<Degree>(s.polynomial[5], e), polynomial<Degree>(s.polynomial[1], y));
     const V re_beta = multiply_add(-e, polynomial<Degree>(s.polynomial[6], e), polynomial<Degree>(s.polynomial[2], y));

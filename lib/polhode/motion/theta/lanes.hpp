@@ -178,7 +178,6 @@ inline bool any_above(Lanes a, double limit) {
 }
 
 inline double smaller(double a, double b) { return b < a ? b : a; }
-inline double larger(double a, double b) { return b > a ? b : a; }
 inline Lanes smaller(Lanes a, Lanes b) {
 #if defined(__AVX512F__)
   return _mm512_min_pd(b, a);
@@ -191,19 +190,6 @@ inline Lanes smaller(Lanes a, Lanes b) {
   return a;
 #endif
 }
-inline Lanes larger(Lanes a, Lanes b) {
-#if defined(__AVX512F__)
-  return _mm512_max_pd(b, a);
-#elif defined(__AVX2__)
-  return _mm256_max_pd(b, a);
-#elif defined(__SSE2__)
-  return _mm_max_pd(b, a);
-#else
-  for (int i = 0; i < kLanes; ++i) a[i] = larger(a[i], b[i]);
-  return a;
-#endif
-}
-
 template <class V>
 inline V load(const double* p) {
   V a;

@@ -56,7 +56,7 @@ struct HyperbolicChart {
   TwoPart x_at_0;
   TwoPart x_period;  ///< 1e300 where infinite
   double reciprocal_x_period;
-  double root_of_nome_bound;  ///< Q = e^{-x_period / 2}
+  double root_of_nome;  ///< Q = e^{-x_period / 2}
   double x_to_quarters;
   int degree;
   double polynomial[8][kMaxDegree + 1];
