@@ -228,6 +228,12 @@ inline void dispatch(const Solution& s, const With& with) {
 inline constexpr std::size_t kBlock = 128;               // instants whose results stay in the first cache
 inline constexpr std::size_t kStreamedBytes = 4u << 20;  // results larger than this are written past the caches
 
+/// Times whose parts do not overlap; `low` may be null.
+inline Pair<Lanes> times(const double* high, const double* low) {
+  if (low == nullptr) return {load<Lanes>(high), Lanes{}};
+  return two_sum(load<Lanes>(high), load<Lanes>(low));
+}
+
 /// A block of rows, as structures or as separate arrays, each in its own aligned buffer or in the caller's arrays.
 template <class At>
 inline void block_of_structures(const At& at, const double* t_high, const double* t_low, std::size_t count, double* q,
@@ -235,7 +241,8 @@ inline void block_of_structures(const At& at, const double* t_high, const double
   std::size_t i = 0;
   for (; i + kLanes <= count; i += kLanes) {
     Lanes qs[4], ms[3];
-    at(load<Lanes>(t_high + i), t_low == nullptr ? Lanes{} : load<Lanes>(t_low + i), qs, ms);
+    const Pair<Lanes> t = times(t_high + i, t_low == nullptr ? nullptr : t_low + i);
+    at(t.high, t.low, qs, ms);
     store_rows_of_4(q + 4 * i, qs);
     if (m != nullptr) store_rows_of_3(m + 3 * i, ms);
   }
@@ -244,7 +251,8 @@ inline void block_of_structures(const At& at, const double* t_high, const double
   std::memcpy(high, t_high + i, (count - i) * sizeof(double));
   if (t_low != nullptr) std::memcpy(low, t_low + i, (count - i) * sizeof(double));
   Lanes qs[4], ms[3];
-  at(load<Lanes>(high), load<Lanes>(low), qs, ms);
+  const Pair<Lanes> t = times(high, low);
+  at(t.high, t.low, qs, ms);
   store_rows_of_4(rows_q, qs);
   std::memcpy(q + 4 * i, rows_q, (count - i) * 4 * sizeof(double));
   if (m == nullptr) return;
@@ -261,7 +269,8 @@ inline void block_of_arrays(const At& at, const double* t_high, const double* t_
     std::memcpy(high, t_high + i, here * sizeof(double));
     if (t_low != nullptr) std::memcpy(low, t_low + i, here * sizeof(double));
     Lanes qs[4], ms[3];
-    at(load<Lanes>(high), load<Lanes>(low), qs, ms);
+    const Pair<Lanes> t = times(high, low);
+    at(t.high, t.low, qs, ms);
     for (int k = 0; k < 4; ++k) store(q[k] + i, qs[k]);
     for (int k = 0; k < 3; ++k) store(m[k] + i, ms[k]);
   }
