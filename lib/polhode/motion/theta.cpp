@@ -41,7 +41,7 @@ const Target& chosen_target() {
 }  // namespace
 }  // namespace theta
 
-ThetaMotion::ThetaMotion(const FreeBody& body, Span span) {
+ThetaMotion::ThetaMotion(const FreeBody& body, Span span) : target_(&theta::chosen_target()) {
   theta::Input in;
   const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
   for (int k = 0; k < 3; ++k) {
@@ -49,14 +49,13 @@ ThetaMotion::ThetaMotion(const FreeBody& body, Span span) {
     in.momentum[k] = body.momentum_body[k];
   }
   for (int k = 0; k < 4; ++k) in.q[k] = q[k];
-  const theta::Target& target = theta::chosen_target();
-  (span == Span::any ? target.build : target.build_short)(in, solution_);
+  (span == Span::any ? target_->build : target_->build_short)(in, solution_);
 }
 
 FreeState ThetaMotion::at(double t_high_s, double t_low_s) const {
   double q[4];
   FreeState state;
-  theta::chosen_target().at(solution_, t_high_s, t_low_s, q, state.momentum_body.data());
+  target_->at(solution_, t_high_s, t_low_s, q, state.momentum_body.data());
   state.q_inertial_from_body = Quaternion(q[0], q[1], q[2], q[3]);
   return state;
 }
@@ -66,7 +65,7 @@ void ThetaMotion::batch(const TimeArrays& times, const StateArrays& out) const {
                                   times.high.size(), {out.q[0], out.q[1], out.q[2], out.q[3]},
                                   out.q_stride,      {out.m[0], out.m[1], out.m[2]},
                                   out.m_stride};
-  theta::chosen_target().batch(solution_, arguments);
+  target_->batch(solution_, arguments);
 }
 
 std::string_view ThetaMotion::target() { return theta::chosen_target().name; }

@@ -34,6 +34,7 @@ class ThetaMotion final : public FreeMotion {
   static std::string_view target();
 
  private:
+  const theta::Target* target_;
   theta::Solution solution_;
 };
 

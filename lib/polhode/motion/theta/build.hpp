@@ -195,7 +195,7 @@ Frame frame_of(const Input& in, const Canonical<Real>& c, int momentum_exponent,
                                  column == 3 ? 1.0 : 0.0};
     const Quaternion4<Real> q = r * unit * cc;
     const Real entries[4] = {q.w, q.x, q.y, q.z};
-    for (int row = 0; row < 4; ++row) frame.frame[row][column] = nearest(entries[row]);
+    for (int row = 0; row < 4; ++row) frame.frame[column][row] = nearest(entries[row]);
   }
   const double g = ldexp(nearest(c.g), momentum_exponent);
   for (int k = 0; k < 3; ++k) frame.momentum_scale[k] = g * c.sign[k];
@@ -204,21 +204,28 @@ Frame frame_of(const Input& in, const Canonical<Real>& c, int momentum_exponent,
 }
 
 /// Least degree that keeps all coefficients of at least 2^-62.
-inline int least_degree(const double (*polynomials)[kMaxDegree + 1], int count) {
-  int degree = 0;
-  for (int p = 0; p < count; ++p) {
-    for (int k = 0; k <= kMaxDegree; ++k) {
-      if (__builtin_fabs(polynomials[p][k]) > 0x1p-62 && k > degree) degree = k;
+inline int least_degree(const double (&polynomials)[kMaxDegree + 1][4]) {
+  for (int n = kMaxDegree; n > 0; --n) {
+    for (double coefficient : polynomials[n]) {
+      if (__builtin_fabs(coefficient) > 0x1p-62) return n;
     }
   }
-  return degree;
+  return 0;
+}
+
+/// Value of polynomial i.
+template <class Real>
+Real horner(const Real (&a)[kMaxDegree + 1][4], int i, const Real& x) {
+  Real sum = a[kMaxDegree][i];
+  for (int n = kMaxDegree - 1; n >= 0; --n) sum = sum * x + a[n][i];
+  return sum;
 }
 
 template <class Real>
-Real horner(const Real (&a)[kMaxDegree + 1], const Real& x) {
-  Real sum = a[kMaxDegree];
-  for (int k = kMaxDegree - 1; k >= 0; --k) sum = sum * x + a[k];
-  return sum;
+void round_to_nearest(const Real (&a)[kMaxDegree + 1][4], double (&rounded)[kMaxDegree + 1][4]) {
+  for (int n = 0; n <= kMaxDegree; ++n) {
+    for (int i = 0; i < 4; ++i) rounded[n][i] = nearest(a[n][i]);
+  }
 }
 
 /// Constants that both charts need.
@@ -306,21 +313,19 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
   // Multiples of v to powers of c = cos 2v: T_k, U_(k-1), U_k + U_(k-1), U_k - U_(k-1) (DLMF 18.5).
   static constexpr double kT[4][4] = {{1, 0, 0, 0}, {0, 1, 0, 0}, {-1, 0, 2, 0}, {0, -3, 0, 4}};
   static constexpr double kU[4][4] = {{1, 0, 0, 0}, {0, 2, 0, 0}, {-1, 0, 4, 0}, {0, -4, 0, 8}};
-  Real poly[4][kMaxDegree + 1];
+  Real poly[kMaxDegree + 1][4];
   for (int n = 0; n <= kMaxDegree; ++n) {
-    for (auto& row : poly) row[n] = 0.0;
+    for (Real& coefficient : poly[n]) coefficient = 0.0;
     for (int k = n; k <= kMaxDegree; ++k) {
       const double u_previous = k == 0 ? 0.0 : kU[k - 1][n];
-      poly[0][n] = poly[0][n] + even_sum[k] * kT[k][n];
-      poly[1][n] = poly[1][n] + even_difference[k] * u_previous;
-      poly[2][n] = poly[2][n] + odd_sum[k] * (kU[k][n] + u_previous);
-      poly[3][n] = poly[3][n] - odd_difference[k] * (kU[k][n] - u_previous);
+      poly[n][0] = poly[n][0] + even_sum[k] * kT[k][n];
+      poly[n][1] = poly[n][1] + even_difference[k] * u_previous;
+      poly[n][2] = poly[n][2] + odd_sum[k] * (kU[k][n] + u_previous);
+      poly[n][3] = poly[n][3] - odd_difference[k] * (kU[k][n] - u_previous);
     }
   }
-  for (int i = 0; i < 4; ++i) {
-    for (int n = 0; n <= kMaxDegree; ++n) f.polynomial[i][n] = nearest(poly[i][n]);
-  }
-  f.degree = least_degree(f.polynomial, 4);
+  round_to_nearest(poly, f.polynomial);
+  f.degree = least_degree(f.polynomial);
 
   const int time_exponent = momentum_exponent - moment_exponent;
   const Real v_turns_at_0 = s.w0 * s.reciprocal_k * 0.25;
@@ -332,8 +337,8 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
   sincos_turns(v_turns_at_0, sin_v, cos_v);
   const Real cos_2v = 1.0 - sin_v * sin_v * 2.0, sin_2v = sin_v * cos_v * 2.0;
   f.frame = frame_of<Real>(in, c, momentum_exponent,
-                           {horner(poly[0], cos_2v), sin_v * horner(poly[2], cos_2v), cos_v * horner(poly[3], cos_2v),
-                            sin_2v * horner(poly[1], cos_2v)});
+                           {horner(poly, 0, cos_2v), sin_v * horner(poly, 2, cos_2v), cos_v * horner(poly, 3, cos_2v),
+                            sin_2v * horner(poly, 1, cos_2v)});
   out.chart = Chart::fourier;
 }
 
@@ -348,7 +353,7 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   const Real z0_turns = s.y / (s.k_prime * 8.0);
 
   HyperbolicChart& h = out.hyperbolic;
-  Real poly[8][kMaxDegree + 1];
+  Real growing[kMaxDegree + 1][4], falling[kMaxDegree + 1][4];
   Real s0 = 0.0, s1 = 0.0;
   Real q_to_2n = 1.0, c_n = 1.0, q_to_n2 = 1.0;  // Q^(2n), Q^(n(n+1)), Q^(n^2)
   Real sin_1, cos_1;
@@ -360,14 +365,14 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
     s1 = s1 + c_n * sin_n * (2.0 * n + 1.0);
     if (n <= kMaxDegree) {
       const double sign = n % 2 == 0 ? 1.0 : -1.0;
-      poly[0][n] = cos_n * q_to_n2;
-      poly[1][n] = -(sin_n * q_to_n2);
-      poly[2][n] = cos_n * q_to_n2 * sign;
-      poly[3][n] = -(sin_n * q_to_n2 * sign);
-      poly[4][n] = cos_n * c_n;
-      poly[5][n] = -(sin_n * c_n);
-      poly[6][n] = cos_n * c_n * sign;
-      poly[7][n] = -(sin_n * c_n * sign);
+      growing[n][0] = cos_n * q_to_n2;
+      growing[n][1] = -(sin_n * q_to_n2);
+      growing[n][2] = cos_n * q_to_n2 * sign;
+      growing[n][3] = -(sin_n * q_to_n2 * sign);
+      falling[n][0] = cos_n * c_n;
+      falling[n][1] = sin_n * c_n;
+      falling[n][2] = -(cos_n * c_n * sign);
+      falling[n][3] = -(sin_n * c_n * sign);
     }
     q_to_n2 = q_to_n2 * q_to_2n * q;
     q_to_2n = q_to_2n * q * q;
@@ -380,10 +385,10 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   const Real quarter = pi_over_k_prime * s.lambda * 0.25;  // pi lambda / (4 K')
   const Real rho = s.half_bracket - quarter * s.y * s.reciprocal_k + quarter * s1 / s0;
 
-  for (int i = 0; i < 8; ++i) {
-    for (int n = 0; n <= kMaxDegree; ++n) h.polynomial[i][n] = nearest(poly[i][n]);
-  }
-  h.degree = least_degree(h.polynomial, 8);
+  round_to_nearest(growing, h.growing);
+  round_to_nearest(falling, h.falling);
+  const int growing_degree = least_degree(h.growing), falling_degree = least_degree(h.falling);
+  h.degree = growing_degree > falling_degree ? growing_degree : falling_degree;
 
   const int time_exponent = momentum_exponent - moment_exponent;
   const Real x_at_0 = pi_over_k_prime * s.w0 * 0.5;
@@ -400,10 +405,9 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   const double side = nearest(x_at_0) < 0.0 ? -1.0 : 1.0;
   const Real e = exp(-abs(x_at_0));
   const Real big_y = closed ? exp(abs(x_at_0) - x_period * 0.5) : Real(0.0);
-  const Real re_alpha = horner(poly[0], big_y) + e * horner(poly[4], e);
-  const Real im_alpha = (horner(poly[1], big_y) - e * horner(poly[5], e)) * side;
-  const Real re_beta = (horner(poly[2], big_y) - e * horner(poly[6], e)) * side;
-  const Real im_beta = horner(poly[3], big_y) + e * horner(poly[7], e);
+  Real at_0[4];
+  for (int i = 0; i < 4; ++i) at_0[i] = horner(growing, i, big_y) + e * horner(falling, i, e);
+  const Real re_alpha = at_0[0], im_alpha = at_0[1] * side, re_beta = at_0[2] * side, im_beta = at_0[3];
   Real sin_p, cos_p;
   sincos_turns(x_at_0 * x_to_turns, sin_p, cos_p);
   h.frame = frame_of<Real>(in, c, momentum_exponent,

@@ -38,6 +38,15 @@ inline V polynomial(const double* a, V x) {
   return sum;
 }
 
+/// Four polynomials side by side.
+template <int Degree, class V>
+inline void polynomials(const double (&a)[kMaxDegree + 1][4], V x, V (&sums)[4]) {
+  for (int i = 0; i < 4; ++i) sums[i] = all<V>(a[Degree][i]);
+  for (int n = Degree - 1; n >= 0; --n) {
+    for (int i = 0; i < 4; ++i) sums[i] = multiply_add(sums[i], x, all<V>(a[n][i]));
+  }
+}
+
 template <class V>
 inline Pair<V> two_sum(V a, V b) {
   const V s = a + b;
@@ -123,11 +132,10 @@ template <class V>
   const V e1 = multiply_add(re_beta, cosine, -im_beta * sine);
   const V e2 = multiply_add(re_beta, sine, im_beta * cosine);
   const V e3 = multiply_add(re_alpha, sine, im_alpha * cosine);
-  for (int k = 0; k < 4; ++k) {
-    const double* row = f.frame[k];
-    q[k] = scale * multiply_add(all<V>(row[3]), e3,
-                                multiply_add(all<V>(row[2]), e2, multiply_add(all<V>(row[1]), e1, row[0] * e0)));
-  }
+  for (int k = 0; k < 4; ++k) q[k] = f.frame[0][k] * e0;
+  for (int k = 0; k < 4; ++k) q[k] = multiply_add(all<V>(f.frame[1][k]), e1, q[k]);
+  for (int k = 0; k < 4; ++k) q[k] = multiply_add(all<V>(f.frame[2][k]), e2, q[k]);
+  for (int k = 0; k < 4; ++k) q[k] = multiply_add(all<V>(f.frame[3][k]), e3, q[k]) * scale;
 }
 
 struct FixedAxisAt {
@@ -155,10 +163,9 @@ struct FourierAt {
     const V two_sin = sin_v + sin_v;
     const V cos_2v = multiply_add(-two_sin, sin_v, all<V>(1.0));
     const V sin_2v = two_sin * cos_v;
-    attitude_and_momentum(s.frame, polynomial<Degree>(s.polynomial[0], cos_2v),
-                          sin_2v * polynomial<Degree>(s.polynomial[1], cos_2v),
-                          sin_v * polynomial<Degree>(s.polynomial[2], cos_2v),
-                          cos_v * polynomial<Degree>(s.polynomial[3], cos_2v), sin_rho, cos_rho, q, m);
+    V p[4];
+    polynomials<Degree>(s.polynomial, cos_2v, p);
+    attitude_and_momentum(s.frame, p[0], sin_2v * p[1], sin_v * p[2], cos_v * p[3], sin_rho, cos_rho, q, m);
   }
 };
 
@@ -185,12 +192,13 @@ struct HyperbolicAt {
     sine_cosine(angle(s.rho_quarters_per_s, t_high, t_low, x * s.x_to_quarters), sin_phase, cos_phase);
 
     const auto parity = bits(n + all<V>(kMagic)) << 63;
-    const V re_alpha = multiply_add(e, polynomial<Degree>(s.polynomial[4], e), polynomial<Degree>(s.polynomial[0], y));
-    const V im_alpha = multiply_add(-e, polynomial<Degree>(s.polynomial[5], e), polynomial<Degree>(s.polynomial[1], y));
-    const V re_beta = multiply_add(-e, polynomial<Degree>(s.polynomial[6], e), polynomial<Degree>(s.polynomial[2], y));
-    const V im_beta = multiply_add(e, polynomial<Degree>(s.polynomial[7], e), polynomial<Degree>(s.polynomial[3], y));
-    attitude_and_momentum(s.frame, re_alpha, flip(im_alpha, side), flip(re_beta, side ^ parity), flip(im_beta, parity),
-                          sin_phase, cos_phase, q, m);
+    V growing[4], falling[4];
+    polynomials<Degree>(s.growing, y, growing);
+    polynomials<Degree>(s.falling, e, falling);
+    V p[4];
+    for (int i = 0; i < 4; ++i) p[i] = multiply_add(e, falling[i], growing[i]);
+    attitude_and_momentum(s.frame, p[0], flip(p[1], side), flip(p[2], side ^ parity), flip(p[3], parity), sin_phase,
+                          cos_phase, q, m);
   }
 };
 
@@ -223,101 +231,6 @@ inline void dispatch(const Solution& s, const With& with) {
           return with(HyperbolicAt<3>{s.hyperbolic});
       }
   }
-}
-
-inline constexpr std::size_t kBlock = 128;               // instants whose results stay in the first cache
-inline constexpr std::size_t kStreamedBytes = 4u << 20;  // results larger than this are written past the caches
-
-/// Times whose parts do not overlap; `low` may be null.
-inline Pair<Lanes> times(const double* high, const double* low) {
-  if (low == nullptr) return {load<Lanes>(high), Lanes{}};
-  return two_sum(load<Lanes>(high), load<Lanes>(low));
-}
-
-/// A block of rows, as structures or as separate arrays, each in its own aligned buffer or in the caller's arrays.
-template <class At>
-inline void block_of_structures(const At& at, const double* t_high, const double* t_low, std::size_t count, double* q,
-                                double* m) {
-  std::size_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    Lanes qs[4], ms[3];
-    const Pair<Lanes> t = times(t_high + i, t_low == nullptr ? nullptr : t_low + i);
-    at(t.high, t.low, qs, ms);
-    store_rows_of_4(q + 4 * i, qs);
-    if (m != nullptr) store_rows_of_3(m + 3 * i, ms);
-  }
-  if (i == count) return;
-  double high[kLanes] = {}, low[kLanes] = {}, rows_q[4 * kLanes], rows_m[3 * kLanes];
-  std::memcpy(high, t_high + i, (count - i) * sizeof(double));
-  if (t_low != nullptr) std::memcpy(low, t_low + i, (count - i) * sizeof(double));
-  Lanes qs[4], ms[3];
-  const Pair<Lanes> t = times(high, low);
-  at(t.high, t.low, qs, ms);
-  store_rows_of_4(rows_q, qs);
-  std::memcpy(q + 4 * i, rows_q, (count - i) * 4 * sizeof(double));
-  if (m == nullptr) return;
-  store_rows_of_3(rows_m, ms);
-  std::memcpy(m + 3 * i, rows_m, (count - i) * 3 * sizeof(double));
-}
-
-template <class At>
-inline void block_of_arrays(const At& at, const double* t_high, const double* t_low, std::size_t count,
-                            double (*q)[kBlock], double (*m)[kBlock]) {
-  for (std::size_t i = 0; i < count; i += kLanes) {
-    const std::size_t here = count - i < kLanes ? count - i : kLanes;
-    double high[kLanes] = {}, low[kLanes] = {};
-    std::memcpy(high, t_high + i, here * sizeof(double));
-    if (t_low != nullptr) std::memcpy(low, t_low + i, here * sizeof(double));
-    Lanes qs[4], ms[3];
-    const Pair<Lanes> t = times(high, low);
-    at(t.high, t.low, qs, ms);
-    for (int k = 0; k < 4; ++k) store(q[k] + i, qs[k]);
-    for (int k = 0; k < 3; ++k) store(m[k] + i, ms[k]);
-  }
-}
-
-inline bool rows_of_structures(double* const* p, int components, std::ptrdiff_t stride) {
-  if (stride != components) return false;
-  for (int k = 1; k < components; ++k) {
-    if (p[k] != p[0] + k) return false;
-  }
-  return true;
-}
-
-template <class At>
-inline void batch_with(const At& at, const BatchArguments& a) {
-  const bool with_m = a.m[0] != nullptr;
-  const bool streamed = a.count * (with_m ? 7 : 4) * sizeof(double) > kStreamedBytes;
-  const bool structures = rows_of_structures(a.q, 4, a.q_stride) && (!with_m || rows_of_structures(a.m, 3, a.m_stride));
-  if (structures && !streamed) {
-    return block_of_structures(at, a.t_high, a.t_low, a.count, a.q[0], with_m ? a.m[0] : nullptr);
-  }
-  alignas(64) double buffer[7][kBlock];
-  for (std::size_t i = 0; i < a.count; i += kBlock) {
-    const std::size_t here = a.count - i < kBlock ? a.count - i : kBlock;
-    const double* high = a.t_high + i;
-    const double* low = a.t_low == nullptr ? nullptr : a.t_low + i;
-    if (structures) {
-      double* q = buffer[0];
-      double* m = buffer[4];
-      block_of_structures(at, high, low, here, q, with_m ? m : nullptr);
-      copy_past_caches(a.q[0] + 4 * i, q, 4 * here);
-      if (with_m) copy_past_caches(a.m[0] + 3 * i, m, 3 * here);
-      continue;
-    }
-    block_of_arrays(at, high, low, here, buffer, buffer + 4);
-    const auto spread = [&](double* to, std::ptrdiff_t stride, const double* from) {
-      to += static_cast<std::ptrdiff_t>(i) * stride;
-      if (stride == 1 && streamed) return copy_past_caches(to, from, here);
-      if (stride == 1) return static_cast<void>(std::memcpy(to, from, here * sizeof(double)));
-      for (std::size_t j = 0; j < here; ++j) to[static_cast<std::ptrdiff_t>(j) * stride] = from[j];
-    };
-    for (int k = 0; k < 4; ++k) spread(a.q[k], a.q_stride, buffer[k]);
-    if (with_m) {
-      for (int k = 0; k < 3; ++k) spread(a.m[k], a.m_stride, buffer[4 + k]);
-    }
-  }
-  if (streamed) finish_streaming();
 }
 
 }  // namespace POLHODE_TARGET

@@ -201,84 +201,108 @@ inline void store(double* p, V a) {
   std::memcpy(p, &a, sizeof a);
 }
 
-/// p[4 i + k] = component k of lane i.
-inline void store_rows_of_4(double* p, const Lanes (&c)[4]) {
+/// The lanes of four components as rows: row i is (c[0][i], ..., c[3][i]), one after the other.
+inline void rows_of_4(const Lanes (&c)[4], Lanes (&rows)[4]) {
 #if defined(__AVX512F__)
-  // Pairs of components, then pairs of pairs.
+  // Pairs of components, then pairs of pairs, then pairs of rows. ab_low holds rows 0 2 4 6, ab_high rows 1 3 5 7.
   const __m512d ab_low = _mm512_unpacklo_pd(c[0], c[1]), ab_high = _mm512_unpackhi_pd(c[0], c[1]);
   const __m512d cd_low = _mm512_unpacklo_pd(c[2], c[3]), cd_high = _mm512_unpackhi_pd(c[2], c[3]);
-  // 128-bit blocks: ab_low = rows 0 2 4 6, ab_high = rows 1 3 5 7.
   const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
                 second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
   const __m512d rows_02 = _mm512_permutex2var_pd(ab_low, first, cd_low);
   const __m512d rows_46 = _mm512_permutex2var_pd(ab_low, second, cd_low);
   const __m512d rows_13 = _mm512_permutex2var_pd(ab_high, first, cd_high);
   const __m512d rows_57 = _mm512_permutex2var_pd(ab_high, second, cd_high);
-  _mm512_storeu_pd(p, _mm512_shuffle_f64x2(rows_02, rows_13, 0x44));
-  _mm512_storeu_pd(p + 8, _mm512_shuffle_f64x2(rows_02, rows_13, 0xee));
-  _mm512_storeu_pd(p + 16, _mm512_shuffle_f64x2(rows_46, rows_57, 0x44));
-  _mm512_storeu_pd(p + 24, _mm512_shuffle_f64x2(rows_46, rows_57, 0xee));
+  rows[0] = _mm512_shuffle_f64x2(rows_02, rows_13, 0x44);
+  rows[1] = _mm512_shuffle_f64x2(rows_02, rows_13, 0xee);
+  rows[2] = _mm512_shuffle_f64x2(rows_46, rows_57, 0x44);
+  rows[3] = _mm512_shuffle_f64x2(rows_46, rows_57, 0xee);
 #elif defined(__AVX2__)
   const __m256d ab_low = _mm256_unpacklo_pd(c[0], c[1]), ab_high = _mm256_unpackhi_pd(c[0], c[1]);
   const __m256d cd_low = _mm256_unpacklo_pd(c[2], c[3]), cd_high = _mm256_unpackhi_pd(c[2], c[3]);
-  _mm256_storeu_pd(p, _mm256_permute2f128_pd(ab_low, cd_low, 0x20));
-  _mm256_storeu_pd(p + 4, _mm256_permute2f128_pd(ab_high, cd_high, 0x20));
-  _mm256_storeu_pd(p + 8, _mm256_permute2f128_pd(ab_low, cd_low, 0x31));
-  _mm256_storeu_pd(p + 12, _mm256_permute2f128_pd(ab_high, cd_high, 0x31));
+  rows[0] = _mm256_permute2f128_pd(ab_low, cd_low, 0x20);
+  rows[1] = _mm256_permute2f128_pd(ab_high, cd_high, 0x20);
+  rows[2] = _mm256_permute2f128_pd(ab_low, cd_low, 0x31);
+  rows[3] = _mm256_permute2f128_pd(ab_high, cd_high, 0x31);
 #else
-  for (int i = 0; i < kLanes; ++i) {
-    for (int k = 0; k < 4; ++k) p[4 * i + k] = c[k][i];
-  }
+  for (int word = 0; word < 4 * kLanes; ++word) rows[word / kLanes][word % kLanes] = c[word % 4][word / 4];
 #endif
 }
 
-/// p[3 i + k] = component k of lane i.
-inline void store_rows_of_3(double* p, const Lanes (&c)[3]) {
+/// The lanes of three components as rows of three, one after the other.
+inline void rows_of_3(const Lanes (&c)[3], Lanes (&rows)[3]) {
 #if defined(__AVX512F__)
-  // Output words 0 to 7, 8 to 15, 16 to 23, word 3 i + k: first a and b are merged, then c.
+  // Words 0 to 7, 8 to 15, 16 to 23: first components 0 and 1 are merged, then component 2.
   const __m512i ab_0 = _mm512_setr_epi64(0, 8, 0, 1, 9, 0, 2, 10), c_0 = _mm512_setr_epi64(0, 1, 8, 3, 4, 9, 6, 7);
   const __m512i ab_1 = _mm512_setr_epi64(0, 3, 11, 0, 4, 12, 0, 5), c_1 = _mm512_setr_epi64(10, 1, 2, 11, 4, 5, 12, 7);
   const __m512i ab_2 = _mm512_setr_epi64(13, 0, 6, 14, 0, 7, 15, 0), c_2 = _mm512_setr_epi64(0, 13, 2, 3, 14, 5, 6, 15);
-  _mm512_storeu_pd(p, _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_0, c[1]), c_0, c[2]));
-  _mm512_storeu_pd(p + 8, _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_1, c[1]), c_1, c[2]));
-  _mm512_storeu_pd(p + 16, _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_2, c[1]), c_2, c[2]));
-#else
-  for (int i = 0; i < kLanes; ++i) {
-    for (int k = 0; k < 3; ++k) p[3 * i + k] = c[k][i];
-  }
-#endif
-}
-
-/// memcpy past the caches where the machine can: the result is larger than they are, and reading it first costs time.
-inline void copy_past_caches(double* to, const double* from, std::size_t count) {
-#if defined(__SSE2__)
-  constexpr std::size_t words = kLanes;
-  std::size_t i = 0;
-  while (i < count && reinterpret_cast<std::uintptr_t>(to + i) % sizeof(Lanes) != 0) {
-    to[i] = from[i];
-    ++i;
-  }
-  for (; i + words <= count; i += words) {
-#if defined(__AVX512F__)
-    _mm512_stream_pd(to + i, _mm512_loadu_pd(from + i));
+  rows[0] = _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_0, c[1]), c_0, c[2]);
+  rows[1] = _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_1, c[1]), c_1, c[2]);
+  rows[2] = _mm512_permutex2var_pd(_mm512_permutex2var_pd(c[0], ab_2, c[1]), c_2, c[2]);
 #elif defined(__AVX2__)
-    _mm256_stream_pd(to + i, _mm256_loadu_pd(from + i));
+  // (a0 b0 c0 a1) (b1 c1 a2 b2) (c2 a3 b3 c3)
+  const __m256d ab_low = _mm256_unpacklo_pd(c[0], c[1]);   // a0 b0 a2 b2
+  const __m256d ca = _mm256_shuffle_pd(c[2], c[0], 0xa);   // c0 a1 c2 a3
+  const __m256d bc_high = _mm256_unpackhi_pd(c[1], c[2]);  // b1 c1 b3 c3
+  rows[0] = _mm256_permute2f128_pd(ab_low, ca, 0x20);
+  rows[1] = _mm256_blend_pd(bc_high, ab_low, 0xc);
+  rows[2] = _mm256_permute2f128_pd(ca, bc_high, 0x31);
 #else
-    _mm_stream_pd(to + i, _mm_loadu_pd(from + i));
-#endif
-  }
-  for (; i < count; ++i) to[i] = from[i];
-#else
-  std::memcpy(to, from, count * sizeof(double));
+  for (int word = 0; word < 3 * kLanes; ++word) rows[word / kLanes][word % kLanes] = c[word % 3][word / 3];
 #endif
 }
 
-/// Orders the streamed stores before whatever follows.
-inline void finish_streaming() {
-#if defined(__SSE2__)
-  _mm_sfence();
+/// Where lanes go, one after the other.
+class CachedSink {
+ public:
+  explicit CachedSink(double* to) : to_(to) {}
+  void push(Lanes a) {
+    store(to_, a);
+    to_ += kLanes;
+  }
+  void finish() {}
+
+ private:
+  double* to_;
+};
+
+#if defined(__AVX512F__)
+/// The same, written past the caches in whole lines: a result larger than the caches need not be read first. A place
+/// that does not start at a line is served by moving each lane over.
+class StreamingSink {
+ public:
+  explicit StreamingSink(double* to)
+      : head_(-(reinterpret_cast<std::intptr_t>(to) >> 3) & 7), line_(to + head_), first_(to) {
+    index_ = _mm512_add_epi64(_mm512_set1_epi64(head_), _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 6, 7));
+  }
+  void push(Lanes a) {
+    if (first_ != nullptr) [[unlikely]] {
+      _mm512_mask_storeu_pd(first_, static_cast<__mmask8>((1u << head_) - 1u), a);
+      first_ = nullptr;
+    } else {
+      _mm512_stream_pd(line_, _mm512_permutex2var_pd(previous_, index_, a));
+      line_ += kLanes;
+    }
+    previous_ = a;
+  }
+  void finish() {
+    if (first_ != nullptr) return;
+    // words head .. 7 of the last lanes
+    const __m512d rest = _mm512_permutexvar_pd(index_, previous_);
+    _mm512_mask_storeu_pd(line_, static_cast<__mmask8>(0xffu >> head_), rest);
+    _mm_sfence();
+  }
+
+ private:
+  std::int64_t head_;  // words before the first whole line
+  double* line_;
+  double* first_;  // until the first push
+  __m512i index_;
+  Lanes previous_ = {};
+};
+#else
+using StreamingSink = CachedSink;
 #endif
-}
 
 }  // namespace POLHODE_TARGET
 }  // namespace polhode::theta

@@ -26,7 +26,7 @@ struct FixedAxis {
 /// What both charts share: q = frame . (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} / sqrt(N), and the momentum
 /// in canonical axes, multiplied by `momentum_scale` (+-G) and, in long-axis mode, first and third exchanged.
 struct Frame {
-  double frame[4][4];
+  double frame[4][4];        ///< column, row
   double momentum_scale[3];  ///< of canonical component 1, 2, 3
   bool exchange_1_3;
 };
@@ -41,13 +41,13 @@ struct FourierChart {
   double v_quarters_at_0;        ///< at most 1/2, to be added to
   double v_whole_quarters_at_0;  ///< -1, 0 or 1
   int degree;
-  double polynomial[4][kMaxDegree + 1];
+  double polynomial[kMaxDegree + 1][4];  ///< coefficient of c^n in p0 to p3
 };
 
 /// Second chart: with x = x_per_s t + x_at_0 reduced to |x| <= x_period / 2 by n whole periods, E = e^{-|x|},
 /// Y = e^{|x| - x_period / 2}, and s the sign of x:
-///   Re alpha = p0(Y) + E p4(E)             Im alpha = s (p1(Y) - E p5(E))
-///   Re beta = (-1)^n s (p2(Y) - E p6(E))   Im beta = (-1)^n (p3(Y) + E p7(E))
+///   Re alpha = g0(Y) + E f0(E)             Im alpha = s (g1(Y) + E f1(E))
+///   Re beta = (-1)^n s (g2(Y) + E f2(E))   Im beta = (-1)^n (g3(Y) + E f3(E))
 /// both times e^{i pi/2 x x_to_quarters}, to be combined with e^{i rho t}.
 struct HyperbolicChart {
   Frame frame;
@@ -59,7 +59,8 @@ struct HyperbolicChart {
   double root_of_nome;  ///< Q = e^{-x_period / 2}
   double x_to_quarters;
   int degree;
-  double polynomial[8][kMaxDegree + 1];
+  double growing[kMaxDegree + 1][4];  ///< coefficient of Y^n in g0 to g3
+  double falling[kMaxDegree + 1][4];  ///< coefficient of E^n in f0 to f3
 };
 
 enum class Chart { fixed_axis, fourier, hyperbolic };

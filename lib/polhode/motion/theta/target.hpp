@@ -1,7 +1,7 @@
 // Included once by each target_*.cpp, which is compiled for its own instruction set.
 
+#include "polhode/motion/theta/batch.hpp"
 #include "polhode/motion/theta/build.hpp"
-#include "polhode/motion/theta/kernel.hpp"
 
 namespace polhode::theta {
 namespace {
@@ -20,7 +20,11 @@ void at_one(const Solution& s, double t_high, double t_low, double q[4], double 
 }
 
 void batch_of(const Solution& s, const BatchArguments& arguments) {
-  dispatch(s, [&](const auto& at) { batch_with(at, arguments); });
+  if (arguments.m[0] != nullptr) {
+    dispatch(s, [&](const auto& at) { batch_with<true>(at, arguments); });
+  } else {
+    dispatch(s, [&](const auto& at) { batch_with<false>(at, arguments); });
+  }
 }
 
 }  // namespace
