@@ -1,19 +1,15 @@
 """polhode info: published figures in its answers, and what it refuses with which exit status."""
 
 import json
-import os
-import subprocess
-from pathlib import Path
 
 import pytest
+from support import ROOT, run
 
-ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = Path(os.environ.get("POLHODE", ROOT / "build/bin/polhode")).resolve()
 BODIES = ROOT / "data/bodies"
 
 
 def info(*arguments):
-    return subprocess.run([PROGRAM, "info", *map(str, arguments)], capture_output=True, text=True)
+    return run("info", *arguments, check=False)
 
 
 def test_toutatis_and_apophis_have_their_published_figures():

@@ -2,10 +2,6 @@
 
 SPICE's ET is checked by its toolkit where spiceypy is installed."""
 
-import os
-import subprocess
-from pathlib import Path
-
 import erfa
 import numpy as np
 import pytest
@@ -13,9 +9,8 @@ from astropy import units as u
 from astropy.coordinates import ICRS, BarycentricMeanEcliptic, CartesianRepresentation, CustomBarycentricEcliptic
 from astropy.coordinates.builtin_frames import intermediate_rotation_transforms as rotations
 from astropy.time import Time, TimeDelta
+from support import run as run_program
 
-ROOT = Path(__file__).resolve().parent.parent
-PROGRAM = Path(os.environ.get("POLHODE", ROOT / "build/bin/polhode")).resolve()
 MICROARCSECOND = np.radians(1e-6 / 3600)
 SEED = 20290413
 
@@ -23,11 +18,8 @@ pytestmark = pytest.mark.filterwarnings("ignore::erfa.ErfaWarning")  # dubious y
 
 
 def run(lines, *arguments, check=True):
-    result = subprocess.run(
-        [PROGRAM, *map(str, arguments)], input="".join(f"{line}\n" for line in lines), capture_output=True, text=True
-    )
+    result = run_program(*arguments, check=check, input="".join(f"{line}\n" for line in lines))
     if check:
-        assert result.returncode == 0, result.stderr
         assert result.stdout.count("\n") == len(lines)
     return result
 
