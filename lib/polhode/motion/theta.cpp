@@ -22,12 +22,12 @@ std::size_t targets(const Target* out[3]) {
   return count;
 }
 
-namespace {
+}  // namespace theta
 
-const Target& chosen_target() {
-  static const Target* const chosen = [] {
-    const Target* available[3];
-    const std::size_t count = targets(available);
+const theta::Target& ThetaMotion::best_target() {
+  static const theta::Target* const best = [] {
+    const theta::Target* available[3];
+    const std::size_t count = theta::targets(available);
     if (const char* wanted = std::getenv("POLHODE_TARGET")) {
       for (std::size_t i = 0; i < count; ++i) {
         if (std::string_view(wanted) == available[i]->name) return available[i];
@@ -35,13 +35,10 @@ const Target& chosen_target() {
     }
     return available[count - 1];
   }();
-  return *chosen;
+  return *best;
 }
 
-}  // namespace
-}  // namespace theta
-
-ThetaMotion::ThetaMotion(const FreeBody& body, Span span) : target_(&theta::chosen_target()) {
+ThetaMotion::ThetaMotion(const FreeBody& body, Span span, const theta::Target& target) : target_(&target) {
   theta::Input in;
   const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
   for (int k = 0; k < 3; ++k) {
@@ -67,7 +64,5 @@ void ThetaMotion::batch(const TimeArrays& times, const StateArrays& out) const {
                                   out.m_stride};
   target_->batch(solution_, arguments);
 }
-
-std::string_view ThetaMotion::target() { return theta::chosen_target().name; }
 
 }  // namespace polhode

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string_view>
-
 #include "polhode/motion/motion.hpp"
 #include "polhode/motion/theta/series.hpp"
 
@@ -23,15 +21,19 @@ class ThetaMotion final : public FreeMotion {
     step,  ///< plain double, several times cheaper to build: for a step of a splitting method, up to about a turn
   };
 
-  explicit ThetaMotion(const FreeBody& body, Span span = Span::any);
+  /// For the instruction set that this machine does best.
+  explicit ThetaMotion(const FreeBody& body, Span span = Span::any) : ThetaMotion(body, span, best_target()) {}
+
+  /// For one of theta::targets(), to compare them.
+  ThetaMotion(const FreeBody& body, Span span, const theta::Target& target);
 
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;
 
   const theta::Solution& solution() const { return solution_; }
 
-  /// The instruction set in use: "avx512", "avx2" or "baseline". POLHODE_TARGET in the environment asks for another.
-  static std::string_view target();
+  /// The last of theta::targets(), or the one that POLHODE_TARGET in the environment names.
+  static const theta::Target& best_target();
 
  private:
   const theta::Target* target_;
