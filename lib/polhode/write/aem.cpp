@@ -289,9 +289,11 @@ class Writer {
     std::string_view group;
     for (std::size_t k = 0; k < form_.numbers; ++k) {
       const XmlField& field = form_.fields[k];
-      if (field.group != group) {
+      const std::string_view wanted =
+          field.group == "quaternionDot" && options_.version == AdmVersion::v1 ? "quaternionRate" : field.group;
+      if (wanted != group) {
         if (!group.empty()) tag("</", group);
-        group = field.group;
+        group = wanted;
         if (!group.empty()) tag("<", group);
       }
       tag("<", field.element);
