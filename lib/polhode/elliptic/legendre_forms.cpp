@@ -31,7 +31,7 @@ double carlson_rj_of_roots(double x, double y, double z, double p) {
     const double mean = 0.2 * (xx + yy + zz + 2.0 * pp);
     const double X = 1.0 - xx / mean, Y = 1.0 - yy / mean, Z = 1.0 - zz / mean;
     const double P = -0.5 * (X + Y + Z);
-    if (std::max({std::abs(X), std::abs(Y), std::abs(Z), std::abs(P)}) < kTolerance) {
+    if (!(std::max({std::abs(X), std::abs(Y), std::abs(Z), std::abs(P)}) >= kTolerance)) {  // ends on NaN too
       const double E2 = X * Y + X * Z + Y * Z - 3.0 * P * P;
       const double E3 = X * Y * Z + 2.0 * E2 * P + 4.0 * P * P * P;
       const double E4 = (2.0 * X * Y * Z + E2 * P + 3.0 * P * P * P) * P;

@@ -28,7 +28,7 @@ Real complete_integral(Real kc, Real root_p, Real a, Real b) {
     m = m + kc;
     const Real difference = g - kc;
     const double relative = Traits::high(difference) / Traits::high(g);
-    if (relative * relative < Traits::epsilon) break;
+    if (!(relative * relative >= Traits::epsilon)) break;  // ends on NaN too
     kc = sqrt(e) * 2.0;
     e = kc * m;
   }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/celledoni.hpp"
 #include "polhode/motion/legendre.hpp"
 #include "polhode/motion/rivals/rivals.hpp"
 #include "polhode/motion/theta.hpp"
@@ -31,6 +32,20 @@ std::span<const Method> methods() {
        .fails = "nowhere known",
        .source = "legendre.md; Leroy 2020, On an Article by Celledoni et al.",
        .make = make_legendre},
+      {.name = "matrix-basis",
+       .kind = "exact",
+       .order = "exact",
+       .conserves = "everything, while it works",
+       .fails = "constant momentum; long stays beside the middle axis; beside any axis with few digits; extreme units",
+       .source = "Celledoni et al. 2007, matrix form, with the corrections of Leroy 2020, who gives it up",
+       .make = make_matrix_basis},
+      {.name = "cfsz-quaternion",
+       .kind = "exact",
+       .order = "exact",
+       .conserves = "everything, while it works",
+       .fails = "momentum at or near -e3; constant momentum; beside the separatrix with few digits; extreme units",
+       .source = "Celledoni et al. 2007, quaternion form, with the corrections of Leroy 2020, who gives it up",
+       .make = make_cfsz_quaternion},
   };
   static const std::vector<Method> all = [] {
     std::vector<Method> list = exact;
