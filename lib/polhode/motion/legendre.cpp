@@ -180,9 +180,12 @@ Invariants invariants(const PreferredBody& p) {
     double a, b;
     int exponent;
   };
-  const auto pair = [&](int i, int j) {
-    const int exponent = std::ilogb(std::max(std::abs(p.m[i]), std::abs(p.m[j])));
-    return Pair{std::ldexp(p.m[i], -exponent), std::ldexp(p.m[j], -exponent), exponent};
+  // m_i and m_j of the terms that differ from 0, scaled: (I_i - I_h) and (I_j - I_h) may vanish for symmetric tops.
+  const auto pair = [&](int i, int j, int h) {
+    const double a = p.I[i] == p.I[h] ? 0.0 : p.m[i], b = p.I[j] == p.I[h] ? 0.0 : p.m[j];
+    const double largest = std::max(std::abs(a), std::abs(b));
+    const int exponent = largest > 0.0 ? std::ilogb(largest) : 0;
+    return Pair{std::ldexp(a, -exponent), std::ldexp(b, -exponent), exponent};
   };
   Invariants v;
   v.I21 = difference(I2, I1);
@@ -190,7 +193,7 @@ Invariants invariants(const PreferredBody& p) {
   v.I32 = difference(I3, I2);
   v.G = sqrt(square(p.m[0]) + square(p.m[1]) + square(p.m[2]));
   v.twice_energy = square(p.m[0]) / I1 + square(p.m[1]) / I2 + square(p.m[2]) / I3;
-  const Pair m23 = pair(1, 2), m12 = pair(0, 1), m13 = pair(0, 2);
+  const Pair m23 = pair(1, 2, 0), m12 = pair(0, 1, 2), m13 = pair(0, 2, 1);
   v.root_delta[0] = ldexp(sqrt(delta_term(m23.a, I2, I1) + delta_term(m23.b, I3, I1)), m23.exponent);
   v.root_delta[2] = ldexp(sqrt(-(delta_term(m12.a, I1, I3) + delta_term(m12.b, I2, I3))), m12.exponent);
   const DoubleDouble negative = delta_term(m13.a, I1, I2), positive = delta_term(m13.b, I3, I2);
