@@ -26,8 +26,8 @@ inline constexpr int kLanes = 4;
 inline constexpr int kLanes = 2;
 #endif
 
-typedef double Lanes __attribute__((vector_size(8 * kLanes)));
-typedef std::int64_t LaneBits __attribute__((vector_size(8 * kLanes)));
+using Lanes __attribute__((vector_size(8 * kLanes))) = double;
+using LaneBits __attribute__((vector_size(8 * kLanes))) = std::int64_t;
 
 template <class V>
 struct BitsOf;
