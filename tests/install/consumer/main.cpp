@@ -1,19 +1,13 @@
-// Includes from, links with and calls the installed library: a motion of its own, at rest, through the default batch.
 #include <cstdio>
+#include <polhode/motion/free_body.hpp>
+#include <polhode/motion/methods.hpp>
+#include <polhode/read/body.hpp>
 
-#include "polhode/motion/motion.hpp"
-
-class AtRest : public polhode::FreeMotion {
- public:
-  polhode::FreeState at(double, double) const override {
-    return {polhode::Quaternion::Identity(), polhode::Vector3::Zero()};
-  }
-};
-
-int main() {
-  const double times_s[] = {0.0, 1.0};
-  double q[8] = {};
-  AtRest().batch({times_s}, polhode::StateArrays::of_structures(q, nullptr));
-  std::printf("%g %g\n", q[0], q[4]);
-  return q[0] == 1.0 && q[4] == 1.0 ? 0 : 1;
+// Where does the long axis of a body point, one day after the epoch of its state?
+int main(int, char** argv) {
+  const polhode::Body body = polhode::read_body(argv[1]);
+  const auto motion = polhode::method("auto").make(polhode::free_body(body, polhode::Frame::ecliptic_j2000));
+  const polhode::FreeState state = motion->at(86400.0);  // seconds from the epoch
+  const polhode::Vector3 axis = state.q_inertial_from_body * polhode::Vector3::UnitX();
+  std::printf("%+.6f %+.6f %+.6f\n", axis.x(), axis.y(), axis.z());
 }
