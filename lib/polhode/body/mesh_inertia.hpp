@@ -36,4 +36,7 @@ struct MassProperties {
 /// inwards, surfaces that cross each other or themselves. Two facets with a common corner are not tested for crossing.
 MassProperties mass_properties(const TriangleMesh& mesh);
 
+/// "a closed surface of 8 vertices and 12 facets: volume …, centre of mass …", for people.
+std::string describe(const MassProperties& solid);
+
 }  // namespace polhode

@@ -187,4 +187,81 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   return out;
 }
 
+namespace {
+
+/// Angles, added up. Not a number is no angle.
+class Statistics {
+ public:
+  void add(double angle_rad, Instant time) {
+    if (!std::isfinite(angle_rad)) throw ComputationError("an attitude is not a number");
+    if (result_.compared == 0 || angle_rad > result_.largest_rad) {
+      result_.largest_rad = angle_rad;
+      result_.time_of_largest = time;
+    }
+    ++result_.compared;
+    squares_ += angle_rad * angle_rad;
+  }
+  void skip() { ++result_.outside; }
+
+  AttitudeDifference finish() {
+    if (result_.compared == 0) throw InputError("the two attitudes have no time in common");
+    result_.root_mean_square_rad = std::sqrt(squares_ / static_cast<double>(result_.compared));
+    return result_;
+  }
+
+ private:
+  AttitudeDifference result_;
+  double squares_ = 0.0;
+};
+
+void check_clock(const AttitudeHistory& history) {
+  if (!history.absolute_time) throw InputError("the times of an attitude history are of a clock that cannot be related to others");
+}
+
+/// v_icrf = q v_frame q*, or nothing for a frame known by its name only.
+std::optional<Quaternion> q_icrf_of(const AttitudeSegment& segment) {
+  return segment.known_frame ? std::optional(q_icrf_from(*segment.known_frame)) : std::nullopt;
+}
+
+}  // namespace
+
+AttitudeDifference compare(const AttitudeHistory& a, const AttitudeHistory& b) {
+  check_clock(a);
+  check_clock(b);
+  Statistics statistics;
+  for (const AttitudeSegment& segment : a.segments) {
+    const std::optional<Quaternion> q_a = q_icrf_of(segment);
+    for (const AttitudeSample& row : segment.samples) {
+      const AttitudeSegment* other = b.segment_at(row.time);
+      if (other == nullptr) {
+        statistics.skip();
+        continue;
+      }
+      const std::optional<Quaternion> q_b = q_icrf_of(*other);
+      const bool related = q_a && q_b;
+      if (!related && segment.frame != other->frame) {
+        throw InputError("the frames " + segment.frame + " and " + other->frame + " cannot be related");
+      }
+      const Quaternion of_b = interpolate(*other, row.time).q_frame_from_body;
+      statistics.add(related ? rotation_angle_rad(*q_a * row.q_frame_from_body, *q_b * of_b)
+                             : rotation_angle_rad(row.q_frame_from_body, of_b),
+                     row.time);
+    }
+  }
+  return statistics.finish();
+}
+
+AttitudeDifference compare(const AttitudeHistory& a, const std::function<Quaternion(Instant)>& q_icrf_from_body) {
+  check_clock(a);
+  Statistics statistics;
+  for (const AttitudeSegment& segment : a.segments) {
+    const std::optional<Quaternion> q_a = q_icrf_of(segment);
+    if (!q_a) throw InputError("the frame " + segment.frame + " cannot be related to ICRF");
+    for (const AttitudeSample& row : segment.samples) {
+      statistics.add(rotation_angle_rad(*q_a * row.q_frame_from_body, q_icrf_from_body(row.time)), row.time);
+    }
+  }
+  return statistics.finish();
+}
+
 }  // namespace polhode

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -69,10 +70,18 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time);
 /// Differences between two attitudes over time.
 struct AttitudeDifference {
   std::size_t compared = 0;
-  std::size_t outside = 0;  ///< times of the first at which the second has no attitude
+  std::size_t outside = 0;  ///< rows of the first at whose time the second has no attitude
   double largest_rad = 0.0;
   double root_mean_square_rad = 0.0;
   Instant time_of_largest;
 };
+
+/// The angle of the rotation between the attitudes of `a` and `b` at the times of a's rows. The body's axes are taken as
+/// the same; the reference frames are led to ICRF, or must have one name. Throws InputError if the frames cannot be
+/// related, a clock cannot be, or no row of `a` has a counterpart.
+AttitudeDifference compare(const AttitudeHistory& a, const AttitudeHistory& b);
+
+/// The same against an attitude known at any time: v_icrf = q v_body q*.
+AttitudeDifference compare(const AttitudeHistory& a, const std::function<Quaternion(Instant)>& q_icrf_from_body);
 
 }  // namespace polhode

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
+#include "polhode/read/asteroid_files.hpp"
 #include "polhode/read/body_file.hpp"
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
+#include "polhode/read/mesh_file.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {
@@ -25,12 +29,37 @@ Body body_of_messages(const std::string& text, const std::string& path) {
   return std::move(messages[best].body);
 }
 
+/// A shape alone: ratios of inertia at uniform density, no state.
+Body body_of_mesh(const std::string& text, const std::string& path) {
+  Body body;
+  body.name = std::filesystem::path(path).stem().string();
+  body.source = "shape model, uniform density";
+  const TriangleMesh mesh = read_mesh(text, path);
+  MassProperties solid;
+  try {
+    solid = mass_properties(mesh);
+    body.inertia = inertia_from_tensor(Matrix3(solid.inertia_about_centre / solid.volume), false);
+  } catch (const InputError& error) {
+    throw InputError({path, 0}, error.what());
+  }
+  body.notes.push_back(describe(solid));
+  body.missing = {"an attitude", "an angular velocity"};
+  return body;
+}
+
 }  // namespace
 
 Body read_body(const std::string& path) {
-  const std::string text = read_text_file(path);
-  if (is_ccsds(text)) return body_of_messages(text, path);
-  return parse_body_file(text, path);
+  // FILE#ID names a row of a table.
+  const std::size_t mark = std::filesystem::exists(path) ? std::string::npos : path.rfind('#');
+  const std::string file = path.substr(0, mark);
+  const std::string text = read_text_file(file);
+  if (is_ccsds(text)) return body_of_messages(text, file);
+  if (is_damit_table(text)) return parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1));
+  if (is_damit_spin(text)) return parse_damit_spin(text, file);
+  if (is_shape_model(text)) return parse_shape_model(text, file);
+  if (is_mesh(text)) return body_of_mesh(text, file);
+  return parse_body_file(text, file);
 }
 
 }  // namespace polhode

@@ -4,9 +4,13 @@
 
 #include <array>
 #include <cmath>
+#include <filesystem>
+#include <numbers>
 
 #include "polhode/base/error.hpp"
 #include "polhode/body/euler.hpp"
+#include "polhode/read/asteroid_files.hpp"
+#include "polhode/read/mesh_file.hpp"
 #include "polhode/read/toml_table.hpp"
 #include "polhode/read/units.hpp"
 
@@ -43,7 +47,57 @@ void check_axis_names(const TomlTable& table, const Inertia& inertia) {
   }
 }
 
-Inertia read_inertia(const TomlTable& table) {
+// A solid of uniform density: its moments per mass, or with `mass_kg` or `density_kg_m3` in kg m2.
+Inertia uniform_solid(const TomlTable& table, std::string_view form, const MassProperties& solid, double unit_m) {
+  const bool has_mass = table.has("mass_kg");
+  const bool has_density = table.has("density_kg_m3");
+  if (has_mass && has_density) throw table.error("density_kg_m3", "either mass_kg or density_kg_m3, not both");
+  double factor = unit_m * unit_m / solid.volume;  // of 1 kg
+  if (has_mass || has_density) {
+    const std::string_view key = has_mass ? "mass_kg" : "density_kg_m3";
+    const double value = table.number(key);
+    if (!(value > 0.0)) throw table.error(key, "must be positive");
+    factor *= has_mass ? value : value * solid.volume * unit_m * unit_m * unit_m;
+  }
+  return table.located(
+      form, [&] { return inertia_from_tensor(Matrix3(factor * solid.inertia_about_centre), has_mass || has_density); });
+}
+
+double length_unit_m(const TomlTable& table) {
+  const std::string unit = table.text("length_unit");
+  if (unit == "m") return 1.0;
+  if (unit == "km") return 1e3;
+  if (unit == "mm") return 1e-3;
+  throw table.error("length_unit", fmt::format("'{}' is not a unit of length; allowed: m, km, mm", unit));
+}
+
+Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path) {
+  table.allow_only({"mesh", "mass_kg", "density_kg_m3", "length_unit"});
+  const std::filesystem::path named = table.text("mesh");
+  const std::string file = (named.is_absolute() ? named : std::filesystem::path(path).parent_path() / named).string();
+  const double unit_m = table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
+  const TriangleMesh mesh = read_mesh_file(file);
+  const MassProperties solid = table.located("mesh", [&] { return mass_properties(mesh); });
+  body.notes.push_back(describe(solid));
+  return uniform_solid(table, "mesh", solid, unit_m);
+}
+
+Inertia read_ellipsoid_inertia(const TomlTable& table) {
+  table.allow_only({"semi_axes", "mass_kg", "density_kg_m3", "length_unit"});
+  const Vector3 axes = table.vector3("semi_axes");
+  if (!(axes.minCoeff() > 0.0)) throw table.error("semi_axes", "must be positive");
+  const double unit_m = table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
+  const Vector3 squares = axes.cwiseProduct(axes);
+  MassProperties solid;
+  solid.volume = 4.0 / 3.0 * std::numbers::pi * axes.prod();
+  solid.inertia_about_centre =
+      Vector3(solid.volume / 5.0 * Vector3(squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1])).asDiagonal();
+  return uniform_solid(table, "semi_axes", solid, unit_m);
+}
+
+Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path) {
+  if (table.has("mesh")) return read_mesh_inertia(table, body, path);
+  if (table.has("semi_axes")) return read_ellipsoid_inertia(table);
   table.allow_only(
       {"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis", "short_axis"});
   const std::string_view form = table.one_of({"moments", "tensor"});
@@ -179,16 +233,73 @@ SpinState read_state(const TomlTable& table, Body& body) {
   return state;
 }
 
+// Direction of the angular momentum, angles and periods, as light-curve papers have them.
+void read_spin(const TomlTable& table, Body& body) {
+  table.allow_only({"epoch", "frame", "unit", "lambda", "beta", "phi0", "psi0", "theta0", "convention", "mode", "period_unit",
+                    "P_phi", "P_psi", "period", "energy"});
+  PublishedSpin spin;
+  const std::string epoch = table.text("epoch");
+  const Date date = table.located("epoch", [&] { return parse_date_with_scale(epoch); });
+  spin.epoch = date.instant;
+  spin.epoch_scale = date.scale;
+  const std::string frame_name = table.text("frame");
+  spin.frame = table.located("frame", [&] { return frame(frame_name); });
+  if (!is_inertial(spin.frame)) throw table.error("frame", "an inertial frame is wanted");
+  const std::string unit = table.text("unit");
+  const double unit_deg = table.located("unit", [&] { return angle_unit_rad(unit); }) * 180.0 / std::numbers::pi;
+  spin.longitude_deg = unit_deg * table.number("lambda");
+  spin.latitude_deg = unit_deg * table.number("beta");
+  if (std::abs(spin.latitude_deg) > 90.0) throw table.error("beta", "must be from -90 to 90 deg");
+  const auto angle = [&](std::string_view key) {
+    return table.has(key) ? std::optional(unit_deg * table.number(key)) : std::nullopt;
+  };
+  spin.phi0_deg = angle("phi0");
+  const std::string period_unit = table.text("period_unit");
+  const double unit_s = period_unit == "s" ? 1.0 : period_unit == "h" ? 3600.0 : period_unit == "d" ? 86400.0 : 0.0;
+  if (unit_s == 0.0) throw table.error("period_unit", fmt::format("'{}' is not a unit of time; allowed: s, h, d", period_unit));
+  const auto period = [&](std::string_view key) {
+    const double value = unit_s * table.number(key);
+    if (!(value > 0.0)) throw table.error(key, "must be positive");
+    return value;
+  };
+  if (table.one_of({"period", "P_psi"}) == "period") {
+    for (const std::string_view key : {"psi0", "theta0", "convention", "mode", "P_phi", "energy"}) {
+      if (table.has(key)) throw table.error(key, "goes with P_phi and P_psi; `period` is rotation about one axis");
+    }
+    spin.rotation_period_s = period("period");
+    set_principal_axis_state(body, spin);
+    return;
+  }
+  if (!body.inertia) throw table.error("P_psi", "tumbling needs an [inertia] table");
+  spin.psi0_deg = angle("psi0");
+  spin.theta0_deg = angle("theta0");
+  spin.precession_period_s = period("P_phi");
+  spin.rotation_period_s = period("P_psi");
+  if (table.has("energy")) spin.energy = table.number("energy");
+  const auto axis = [&](std::string_view key) {
+    const std::string name = table.text(key);
+    if (name != "long-axis" && name != "short-axis") {
+      throw table.error(key, fmt::format("found '{}'; allowed: 'long-axis', 'short-axis'", name));
+    }
+    return name == "long-axis";
+  };
+  spin.short_axis_convention = !axis("convention");
+  if (table.has("mode")) spin.long_axis_mode = axis("mode");
+  table.located("P_psi", [&] { set_tumbling_state(body, spin); });
+}
+
 }  // namespace
 
 Body parse_body_file(std::string_view text, const std::string& path) {
   const TomlTable root = TomlTable::parse(text, path);
-  root.allow_only({"name", "source", "inertia", "state"});
+  root.allow_only({"name", "source", "inertia", "state", "spin"});
   Body body;
   body.name = root.text("name");
   body.source = root.optional_text("source").value_or("");
-  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"));
+  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, path);
+  if (root.has("state") && root.has("spin")) throw root.error("spin", "either [state] or [spin], not both");
   if (root.has("state")) body.state = read_state(root.table("state"), body);
+  if (root.has("spin")) read_spin(root.table("spin"), body);
   return body;
 }
 

@@ -60,7 +60,8 @@ double ccsds_number(std::string_view text, const SourceLocation& where) {
   return *value;
 }
 
-Quaternion ccsds_quaternion(const Eigen::Vector4d& q, const SourceLocation& where) {
+Quaternion ccsds_quaternion(const Eigen::Vector4d& vector_then_scalar, const SourceLocation& where) {
+  const Eigen::Vector4d& q = vector_then_scalar;
   const double norm = q.norm();
   if (!(std::abs(norm - 1.0) <= ccsds_norm_tolerance)) {
     throw InputError(
@@ -149,6 +150,7 @@ void CcsdsFields::check(const CcsdsEntry& entry, const CcsdsRule& rule) const {
       throw InputError(at, fmt::format("{} has {} numbers, {} are wanted", entry.keyword, words.size(), count));
     }
     std::vector<double> list;
+    list.reserve(words.size());
     for (const std::string_view word : words) list.push_back(ccsds_number(word, at));
     return list;
   };

@@ -13,6 +13,9 @@ namespace polhode {
 /// kept in the file's own length unit. Throws InputError with file and line, FileError if the file cannot be read.
 TriangleMesh read_mesh_file(const std::string& path);
 
+/// Whether the content looks like one of these.
+bool is_mesh(std::string_view content);
+
 /// The same from memory; `name` stands for the file in messages.
 TriangleMesh read_mesh(std::string_view content, const std::string& name);
 

@@ -1,0 +1,302 @@
+#include "polhode/read/attitude_history_file.hpp"
+
+#include <fitsio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "polhode/base/error.hpp"
+#include "polhode/read/ccsds_attitude.hpp"
+#include "polhode/read/ccsds_tree.hpp"
+#include "polhode/read/text.hpp"
+#include "polhode/read/text_file.hpp"
+#include "polhode/read/units.hpp"
+
+namespace polhode {
+namespace {
+
+/// Names the frame and the interpolation of rows from a file that says nothing of the latter.
+void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string& frame_name, const std::string& path) {
+  if (segment.samples.empty()) throw InputError({path, 0}, "the table has no rows");
+  segment.frame = frame_name;
+  const Frame known = frame(frame_name);
+  if (is_inertial(known)) segment.known_frame = known;
+  const bool rates = segment.has_rates();
+  segment.method = rates ? AttitudeInterpolation::hermite : AttitudeInterpolation::linear;
+  segment.degree = rates ? 3 : 1;
+  history.segments.push_back(std::move(segment));
+}
+
+/// Adds a row; times increase, quaternions are unit.
+void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const SourceLocation& where) {
+  const double norm = sample.q_frame_from_body.norm();
+  if (!(std::abs(norm - 1.0) <= 1e-3)) {
+    throw InputError(where, fmt::format("row {}: the quaternion has length {:.6g}, it must be 1", segment.samples.size() + 1, norm));
+  }
+  if (sample.omega_body_rad_s && !sample.omega_body_rad_s->allFinite()) {
+    throw InputError(where, fmt::format("row {}: the rate is not finite", segment.samples.size() + 1));
+  }
+  if (!segment.samples.empty() && !(segment.samples.back().time < sample.time)) {
+    throw InputError(where, fmt::format("row {}: its time is not after the one above", segment.samples.size() + 1));
+  }
+  segment.samples.push_back({sample.time, sample.q_frame_from_body.normalized(), sample.omega_body_rad_s});
+}
+
+// --- FITS -----------------------------------------------------------------------------------------------------------
+
+class FitsTable {
+ public:
+  explicit FitsTable(const std::string& path) : path_(path) {
+    int status = 0;
+    fits_open_diskfile(&file_, path.c_str(), READONLY, &status);
+    check(status, "is no FITS file");
+    std::array<char, 9> extension{"ATTITUDE"};
+    fits_movnam_hdu(file_, BINARY_TBL, extension.data(), 0, &status);
+    check(status, "has no table ATTITUDE");
+    long count = 0;
+    fits_get_num_rows(file_, &count, &status);
+    check(status, "has a broken table ATTITUDE");
+    rows_ = static_cast<std::size_t>(std::max(count, 0L));
+  }
+  FitsTable(const FitsTable&) = delete;
+  FitsTable& operator=(const FitsTable&) = delete;
+  ~FitsTable() {
+    int status = 0;
+    if (file_ != nullptr) fits_close_file(file_, &status);
+    fits_clear_errmsg();
+  }
+
+  std::size_t rows() const { return rows_; }
+
+  std::optional<std::string> text(const char* key) const {
+    int status = 0;
+    std::array<char, FLEN_VALUE> value{};
+    fits_read_key(file_, TSTRING, key, value.data(), nullptr, &status);
+    fits_clear_errmsg();
+    return status == 0 ? std::optional<std::string>(std::string(trimmed(value.data()))) : std::nullopt;
+  }
+
+  std::optional<double> number(const char* key) const {
+    int status = 0;
+    double value = 0.0;
+    fits_read_key(file_, TDOUBLE, key, &value, nullptr, &status);
+    fits_clear_errmsg();
+    return status == 0 ? std::optional<double>(value) : std::nullopt;
+  }
+
+  /// A column of `width` numbers a row, and its unit; nothing if it is absent.
+  std::optional<std::vector<double>> column(const std::string& name, std::size_t width, std::string& unit) const {
+    int status = 0;
+    int index = 0;
+    std::string pattern = name;
+    fits_get_colnum(file_, CASEINSEN, pattern.data(), &index, &status);
+    if (status == COL_NOT_FOUND) {
+      fits_clear_errmsg();
+      return std::nullopt;
+    }
+    int type = 0;
+    long repeat = 0;
+    long bytes = 0;
+    fits_get_coltype(file_, index, &type, &repeat, &bytes, &status);
+    check(status, "has a broken table ATTITUDE");
+    if (repeat != static_cast<long>(width) || (type != TDOUBLE && type != TFLOAT)) {
+      throw InputError({path_, 0}, fmt::format("column {} has {} values a row; {} real numbers are wanted", name, repeat, width));
+    }
+    unit = text(fmt::format("TUNIT{}", index).c_str()).value_or("");
+    std::vector<double> values(rows_ * width);
+    int any_null = 0;
+    double null_value = std::nan("");
+    fits_read_col(file_, TDOUBLE, index, 1, 1, static_cast<LONGLONG>(values.size()), &null_value, values.data(), &any_null, &status);
+    check(status, "ends within its table");
+    return values;
+  }
+
+ private:
+  void check(int status, const char* what) const {
+    if (status == 0) return;
+    fits_clear_errmsg();
+    throw InputError({path_, 0}, fmt::format("{} (cfitsio {})", what, status));
+  }
+
+  std::string path_;
+  fitsfile* file_ = nullptr;
+  std::size_t rows_ = 0;
+};
+
+AttitudeHistory read_fits(const std::string& path) {
+  const FitsTable table(path);
+  const auto fail = [&path](const std::string& message) { return InputError({path, 0}, message); };
+  AttitudeHistory history;
+  history.object = table.text("OBJECT").value_or("");
+  history.source = "FITS table ATTITUDE";
+  const std::optional<std::string> scale = table.text("TIMESYS");
+  if (!scale) throw fail("TIMESYS is missing");
+  try {
+    history.scale = time_scale(*scale);
+  } catch (const InputError& error) {
+    throw fail(error.what());
+  }
+  // Where both are given the pair wins (FITS 4.0, 9.2.2).
+  double day = 0.0;
+  double fraction = 0.0;
+  if (const auto integer = table.number("MJDREFI"); integer) {
+    day = *integer;
+    fraction = table.number("MJDREFF").value_or(0.0);
+  } else if (const auto whole = table.number("MJDREF"); whole) {
+    day = *whole;
+  } else {
+    throw fail("MJDREF is missing: times cannot be placed");
+  }
+  if (!(std::abs(day) < 1e7) || !(std::abs(fraction) < 1e7)) throw fail("MJDREF is out of range");
+  const Instant reference = parse_date(fmt::format("MJD {:.17g} {:.17g}", day, fraction), history.scale);
+  const std::string order = upper_case(table.text("QORDER").value_or("XYZS"));
+  const std::string direction = upper_case(table.text("QDIR").value_or("A2B"));
+  if (order != "XYZS" && order != "SXYZ") throw fail(fmt::format("QORDER = {}; XYZS (scalar last) and SXYZ can be read", order));
+  if (direction != "A2B" && direction != "B2A") throw fail(fmt::format("QDIR = {}; A2B and B2A can be read", direction));
+  std::string frame_name = table.text("REFFRAMA").value_or("");
+  if (frame_name.empty()) {
+    frame_name = "ICRF";
+    history.warnings.push_back(path + ": no REFFRAMA; ICRF is assumed");
+  }
+  std::string time_unit;
+  std::string low_unit;
+  std::string unit;
+  std::string rate_unit;
+  const auto time = table.column("TIME", 1, time_unit);
+  const auto low = table.column("TIME_LO", 1, low_unit);
+  const auto q = table.column("QPARAM", 4, unit);
+  const auto omega = table.column("OMEGA", 3, rate_unit);
+  if (!time || !q) throw fail("the table ATTITUDE has no column TIME or QPARAM");
+  const bool days = time_unit == "d" || time_unit == "day";
+  if (!days && time_unit != "s" && !time_unit.empty()) throw fail(fmt::format("TIME is in '{}'; s and d can be read", time_unit));
+  double rate_factor = 1.0;
+  if (omega) {
+    try {
+      rate_factor = angular_velocity_unit_rad_s(rate_unit.empty() ? "rad/s" : rate_unit);
+    } catch (const InputError& error) {
+      throw fail(std::string("OMEGA: ") + error.what());
+    }
+  }
+  const Instant zero = Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
+  AttitudeSegment segment;
+  segment.body = table.text("REFFRAMB").value_or("BODY");
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const double seconds = days ? (*time)[row] * 86400.0 : (*time)[row];
+    if (!std::isfinite(seconds)) throw fail(fmt::format("row {}: TIME is not finite", row + 1));
+    const Instant elapsed = zero + Seconds{seconds, low ? (*low)[row] : 0.0};
+    const double* v = q->data() + 4 * row;
+    const Quaternion given = order == "XYZS" ? Quaternion(v[3], v[0], v[1], v[2]) : Quaternion(v[0], v[1], v[2], v[3]);
+    AttitudeSample sample{instant_from_j2000(elapsed.tt_since_j2000(), history.scale), direction == "A2B" ? given : given.conjugate(), {}};
+    if (omega) sample.omega_body_rad_s = rate_factor * Vector3((*omega)[3 * row], (*omega)[3 * row + 1], (*omega)[3 * row + 2]);
+    add_row(segment, sample, {path, 0});
+  }
+  finish(history, std::move(segment), frame_name, path);
+  return history;
+}
+
+// --- Text -----------------------------------------------------------------------------------------------------------
+
+constexpr std::string_view date_column = "date_";
+
+/// The line of column names: the first that is no comment.
+std::string_view column_line(std::string_view& text, std::size_t& line) {
+  while (!text.empty()) {
+    const std::string_view content = take_line(text);
+    ++line;
+    if (!content.starts_with('#')) return content;
+  }
+  return {};
+}
+
+bool is_text_table(std::string_view text) {
+  std::size_t line = 0;
+  return text.substr(0, 1 << 16).find(date_column) != std::string_view::npos && column_line(text, line).starts_with(date_column);
+}
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+  std::vector<std::string_view> cells;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find(',', at), line.size());
+    cells.push_back(trimmed(line.substr(at, end - at)));
+    at = end + 1;
+  }
+  return cells;
+}
+
+AttitudeHistory read_text_table(std::string_view text, const std::string& path) {
+  AttitudeHistory history;
+  history.source = "table of text";
+  std::string frame_name;
+  // "# - {frame_a: "ICRF"}" of an ECSV header.
+  if (const std::size_t at = text.find("{frame_a: \""); at != std::string_view::npos) {
+    const std::string_view value = text.substr(at + 11, 64);
+    frame_name = value.substr(0, value.find('"'));
+  }
+  if (frame_name.empty()) {
+    frame_name = "ICRF";
+    history.warnings.push_back(path + ": a CSV table says no frame; ICRF is assumed");
+  }
+  std::size_t line = 0;
+  const std::vector<std::string_view> names = cells_of(column_line(text, line));
+  try {
+    history.scale = time_scale(names[0].substr(date_column.size()));
+  } catch (const InputError& error) {
+    throw InputError({path, line}, error.what());
+  }
+  const auto index = [&names](std::string_view name) { return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()); };
+  const std::array<std::size_t, 7> at{index("q_scalar"),           index("q_x"), index("q_y"), index("q_z"), index("omega_body_x_rad_s"),
+                                      index("omega_body_y_rad_s"), index("omega_body_z_rad_s")};
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (at[k] == names.size()) throw InputError({path, line}, "the columns q_x, q_y, q_z, q_scalar are wanted");
+  }
+  const bool rates = std::all_of(at.begin() + 4, at.end(), [&](std::size_t i) { return i < names.size(); });
+  AttitudeSegment segment;
+  segment.body = "BODY";
+  while (!text.empty()) {
+    const std::vector<std::string_view> cells = cells_of(take_line(text));
+    ++line;
+    if (cells.size() == 1 && cells[0].empty()) continue;
+    const SourceLocation here{path, line};
+    if (cells.size() != names.size()) throw InputError(here, fmt::format("{} cells; {} are wanted", cells.size(), names.size()));
+    std::array<double, 7> v{};
+    for (std::size_t k = 0; k < (rates ? 7U : 4U); ++k) {
+      const std::optional<double> value = parse_number(cells[at[k]]);
+      if (!value) throw InputError(here, fmt::format("'{}' is not a number", cells[at[k]]));
+      v[k] = *value;
+    }
+    AttitudeSample sample;
+    try {
+      sample.time = parse_date(cells[0], history.scale);
+    } catch (const InputError& error) {
+      throw InputError(here, error.what());
+    }
+    sample.q_frame_from_body = Quaternion(v[0], v[1], v[2], v[3]);
+    if (rates) sample.omega_body_rad_s = Vector3(v[4], v[5], v[6]);
+    add_row(segment, sample, here);
+  }
+  try {
+    finish(history, std::move(segment), frame_name, path);
+  } catch (const InputError& error) {
+    throw InputError({path, 0}, error.what());
+  }
+  return history;
+}
+
+}  // namespace
+
+std::optional<AttitudeHistory> read_attitude_history(const std::string& path) {
+  const std::string text = read_text_file(path);
+  if (text.starts_with("SIMPLE  =") || text.starts_with("\x1f\x8b")) return read_fits(path);
+  if (is_ccsds(text)) {
+    for (CcsdsAttitudeMessage& message : parse_ccsds_attitude(text, path)) {
+      if (message.history) return std::move(message.history);
+    }
+    return std::nullopt;
+  }
+  if (is_text_table(text)) return read_text_table(text, path);
+  return std::nullopt;
+}
+
+}  // namespace polhode
