@@ -32,7 +32,8 @@ struct Options {
 double parse_angle_rad(const std::string& text) {
   const std::vector<std::string_view> words = split_words(text);
   const std::optional<double> value = words.size() == 2 ? parse_number(words[0]) : std::nullopt;
-  if (!value || *value < 0.0) throw InputError(fmt::format("--tolerance '{}': a number and rad, deg or arcsec are wanted", text));
+  if (!value || *value < 0.0)
+    throw InputError(fmt::format("--tolerance '{}': a number and rad, deg or arcsec are wanted", text));
   return *value * angle_unit_rad(words[1]);
 }
 
@@ -51,8 +52,10 @@ std::function<Quaternion(Instant)> motion_of(const std::string& path) {
 void run(const Options& options) {
   const std::optional<AttitudeHistory> a = read_attitude_history(options.first);
   const std::optional<AttitudeHistory> b = read_attitude_history(options.second);
-  if (!a && !b) throw InputError("neither file is an attitude ephemeris; one must be, its times are those of the comparison");
-  const AttitudeDifference d = a && b ? compare(*a, *b) : compare(a ? *a : *b, motion_of(a ? options.second : options.first));
+  if (!a && !b)
+    throw InputError("neither file is an attitude ephemeris; one must be, its times are those of the comparison");
+  const AttitudeDifference d =
+      a && b ? compare(*a, *b) : compare(a ? *a : *b, motion_of(a ? options.second : options.first));
   const AttitudeHistory& rows = a ? *a : *b;
   const std::string where = format_date(d.time_of_largest, rows.scale, 6);
   if (options.as_json) {
@@ -67,13 +70,16 @@ void run(const Options& options) {
                                      {"scale", name(rows.scale)}};
     write_standard_output(out.dump(2) + "\n");
   } else {
-    const auto angle = [](double rad) { return fmt::format("{:.6g} rad = {:.6g} deg = {:.6g} arcsec", rad, rad * degrees, rad * arcseconds); };
-    write_standard_output(fmt::format("angle between attitudes, {} and {}\n  times                         {} rows of {}{}\n"
-                                      "  largest                       {}\n  at                            {} {}\n"
-                                      "  root mean square              {}\n",
-                                      options.first, options.second, d.compared, a ? options.first : options.second,
-                                      d.outside == 0 ? "" : fmt::format(" ({} more lie outside of the other)", d.outside),
-                                      angle(d.largest_rad), where, name(rows.scale), angle(d.root_mean_square_rad)));
+    const auto angle = [](double rad) {
+      return fmt::format("{:.6g} rad = {:.6g} deg = {:.6g} arcsec", rad, rad * degrees, rad * arcseconds);
+    };
+    write_standard_output(
+        fmt::format("angle between attitudes, {} and {}\n  times                         {} rows of {}{}\n"
+                    "  largest                       {}\n  at                            {} {}\n"
+                    "  root mean square              {}\n",
+                    options.first, options.second, d.compared, a ? options.first : options.second,
+                    d.outside == 0 ? "" : fmt::format(" ({} more lie outside of the other)", d.outside),
+                    angle(d.largest_rad), where, name(rows.scale), angle(d.root_mean_square_rad)));
   }
   for (const std::optional<AttitudeHistory>* history : {&a, &b}) {
     if (!*history) continue;
@@ -82,7 +88,8 @@ void run(const Options& options) {
   if (options.tolerance.empty()) return;
   const double tolerance_rad = parse_angle_rad(options.tolerance);
   if (d.largest_rad > tolerance_rad) {
-    throw CheckFailed(fmt::format("the attitudes differ by {:.6g} rad, more than {}", d.largest_rad, options.tolerance));
+    throw CheckFailed(
+        fmt::format("the attitudes differ by {:.6g} rad, more than {}", d.largest_rad, options.tolerance));
   }
 }
 
@@ -90,10 +97,13 @@ void run(const Options& options) {
 
 void add_compare(CLI::App& app) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("compare", "The angle between two attitudes: ephemerides, or one and a body's motion");
+  CLI::App* command =
+      app.add_subcommand("compare", "The angle between two attitudes: ephemerides, or one and a body's motion");
   command->add_option("A", options->first, "an ephemeris (AEM, ACM, FITS, CSV, ECSV) or a body file")->required();
-  command->add_option("B", options->second, "the same; at least one is an ephemeris, A's times are used if A is one")->required();
-  command->add_option("--tolerance", options->tolerance, "angle, such as \"1e-6 rad\", \"0.1 deg\", \"2 arcsec\": exit status 1 beyond it");
+  command->add_option("B", options->second, "the same; at least one is an ephemeris, A's times are used if A is one")
+      ->required();
+  command->add_option("--tolerance", options->tolerance,
+                      "angle, such as \"1e-6 rad\", \"0.1 deg\", \"2 arcsec\": exit status 1 beyond it");
   command->add_flag("--json", options->as_json, "one JSON object");
   command->callback([options] { run(*options); });
 }

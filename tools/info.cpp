@@ -11,6 +11,7 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/body/invariants.hpp"
+#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "subcommands.hpp"
 
@@ -64,10 +65,12 @@ struct Report {
   Body body;
   std::optional<SpinInvariants> spin;
   std::optional<Vector3> momentum_ecliptic, momentum_icrf;
+  std::optional<AttitudeHistory> history;
 };
 
 Report report_on(const std::string& path) {
-  Report report{path, read_body(path), std::nullopt, std::nullopt, std::nullopt};
+  Report report{path, read_body(path), std::nullopt, std::nullopt, std::nullopt, std::nullopt};
+  if (path.rfind('#') == std::string::npos) report.history = read_attitude_history(path);
   Body& body = report.body;
   for (const std::string& what : body.missing) body.warnings.push_back("cannot be propagated; it lacks " + what);
   if (!body.inertia) {
@@ -119,6 +122,19 @@ void print_axis(Page& page, int principal, const AxisMotion& axis) {
   page.row(fmt::format("P_phi, {}-axis convention", word), duration(axis.precession_period_s));
   page.row(fmt::format("{} axis to L", word),
            fmt::format("{:.3f} to {:.3f} deg", axis.least_angle_rad * degrees, axis.greatest_angle_rad * degrees));
+}
+
+void print_history(Page& page, const AttitudeHistory& history) {
+  page.gap();
+  page.heading("Attitude history: {} rows in {} segments, {}", history.rows(), history.segments.size(),
+               name(history.scale));
+  for (const AttitudeSegment& s : history.segments) {
+    const auto date = [&](Instant t) { return format_date(t, history.scale, 6); };
+    page.row(fmt::format("{} in {}", s.body, s.frame),
+             fmt::format("{} to {}, {} rows{}, {} of degree {}", date(s.samples.front().time),
+                         date(s.samples.back().time), s.samples.size(), s.has_rates() ? " with rates" : "",
+                         name(s.method), s.degree));
+  }
 }
 
 void print(Page& page, const Report& report) {
@@ -174,6 +190,7 @@ void print(Page& page, const Report& report) {
       page.row("distance from separatrix", fmt::format("{:.4g} (0 on it, 1 farthest)", *spin.separatrix_distance));
     }
   }
+  if (report.history) print_history(page, *report.history);
   if (!body.notes.empty() || !body.warnings.empty()) page.gap();
   for (const std::string& note : body.notes) page.heading("note: {}", note);
   for (const std::string& warning : body.warnings) page.heading("warning: {}", warning);
@@ -186,6 +203,23 @@ Json json(const AxisMotion& axis) {
 }
 
 Json json(const Direction& direction) { return {direction.longitude_rad * degrees, direction.latitude_rad * degrees}; }
+
+Json json(const AttitudeHistory& history) {
+  Json out{{"scale", name(history.scale)}, {"rows", history.rows()}, {"segments", Json::array()}};
+  for (const AttitudeSegment& s : history.segments) {
+    const Eigen::Vector4d q = scalar_first(s.samples.front().q_frame_from_body);
+    out["segments"].push_back({{"frame", s.frame},
+                               {"body", s.body},
+                               {"start", format_date(s.samples.front().time, history.scale, 9)},
+                               {"stop", format_date(s.samples.back().time, history.scale, 9)},
+                               {"rows", s.samples.size()},
+                               {"rates", s.has_rates()},
+                               {"interpolation", name(s.method)},
+                               {"degree", s.degree},
+                               {"first_q_frame_from_body_scalar_first", {q[0], q[1], q[2], q[3]}}});
+  }
+  return out;
+}
 
 Json json(const Report& report) {
   const Body& body = report.body;
@@ -238,6 +272,7 @@ Json json(const Report& report) {
     if (attitude.omega_body_rad_s) stated["omega_body_rad_s"] = list(*attitude.omega_body_rad_s);
     out["attitudes"].push_back(stated);
   }
+  if (report.history) out["history"] = json(*report.history);
   out["missing"] = body.missing;
   out["notes"] = body.notes;
   out["warnings"] = body.warnings;

@@ -17,6 +17,7 @@ int run(int argc, char** argv) {
   CLI::App app{"Attitude of tumbling bodies: exact free motion, ephemerides, checks"};
   app.name("polhode");
   app.require_subcommand(1);
+  polhode::tools::add_compare(app);
   polhode::tools::add_eval(app);
   polhode::tools::add_info(app);
   polhode::tools::add_convert_time(app);

@@ -14,6 +14,7 @@ class CheckFailed : public std::runtime_error {
 // Each adds its subcommand to the program; the work is done in the callback, which throws InputError (exit status 2),
 // FileError (3) or CheckFailed (1).
 void add_bench(CLI::App& app);
+void add_compare(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_info(CLI::App& app);
 void add_convert_time(CLI::App& app);

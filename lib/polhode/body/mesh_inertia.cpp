@@ -394,7 +394,8 @@ MassProperties mass_properties(const TriangleMesh& mesh) {
 std::string describe(const MassProperties& solid) {
   const Vector3& c = solid.centre_of_mass;
   return fmt::format(
-      "uniform solid of {} vertices, {} facets, {} closed surface{}: volume {:.7g}, centre of mass {:.6g}, {:.6g}, {:.6g} "
+      "uniform solid of {} vertices, {} facets, {} closed surface{}: volume {:.7g}, centre of mass {:.6g}, {:.6g}, "
+      "{:.6g} "
       "(the file's unit of length, its axes)",
       solid.vertices, solid.facets, solid.shells, solid.shells == 1 ? "" : "s", solid.volume, c[0], c[1], c[2]);
 }

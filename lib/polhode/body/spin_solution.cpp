@@ -26,7 +26,8 @@ Vector3 momentum_with_excess(const Vector3& moments, double excess) {
 }
 
 double precession_period(const SpinInvariants& spin, AxisConvention convention) {
-  return convention == AxisConvention::long_axis ? spin.long_axis->precession_period_s : spin.short_axis->precession_period_s;
+  return convention == AxisConvention::long_axis ? spin.long_axis->precession_period_s
+                                                 : spin.short_axis->precession_period_s;
 }
 
 /// P_psi / P_phi; nothing where the body does not tumble.
@@ -69,40 +70,39 @@ std::optional<double> solve(const Inertia& inertia, AxisConvention convention, c
 
 }  // namespace
 
-SpinSolution solve_periods(const Inertia& inertia, const PublishedPeriods& periods) {
+std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedPeriods& periods) {
   const Vector3& moments = inertia.principal_moments;
   if (!(moments[0] < moments[1] && moments[1] < moments[2])) {
     throw InputError("two periods determine a motion only if the three moments of inertia differ");
   }
-  const double wanted = periods.rotation_period_s / periods.precession_period_s;
   if (!(periods.rotation_period_s > 0.0 && periods.precession_period_s > 0.0)) throw InputError("periods are positive");
+  const double wanted = periods.rotation_period_s / periods.precession_period_s;
   const std::array<Mode, 2> modes{{{false, 0.0, moments[2] / moments[1] - 1.0},
                                    {true, moments[2] / moments[0] - 1.0, moments[2] / moments[1] - 1.0}}};
-  std::optional<double> found;
-  SpinSolution solution;
+  std::vector<SpinSolution> solutions;
   std::string ranges;
   for (const Mode& mode : modes) {
     if (periods.long_axis_mode && *periods.long_axis_mode != mode.long_axis) continue;
     std::array<double, 2> range{};
     const std::optional<double> excess = solve(inertia, periods.convention, mode, wanted, range);
-    ranges += fmt::format("{}{:.4g} to infinity in {}-axis mode", ranges.empty() ? "" : ", ", range[0], mode.long_axis ? "long" : "short");
+    ranges += fmt::format("{}{:.4g} to {:.4g} in {}-axis mode", ranges.empty() ? "" : ", ", range[0], range[1],
+                          mode.long_axis ? "long" : "short");
     if (!excess) continue;
-    if (found) {
-      throw InputError(fmt::format("P_psi / P_phi = {:.6g} occurs in both modes (E/E0 = {:.6g} and {:.6g}); the mode must be given", wanted,
-                                   1.0 + *found, 1.0 + *excess));
-    }
-    found = excess;
-    solution.long_axis_mode = mode.long_axis;
+    const Vector3 unit = momentum_with_excess(moments, *excess);
+    const SpinInvariants spin = spin_invariants(inertia, unit);
+    SpinSolution s;
+    s.long_axis_mode = mode.long_axis;
+    s.energy = 1.0 + *excess;
+    s.separatrix_distance = spin.separatrix_distance.value();
+    s.momentum = *spin.polhode_period_s / periods.rotation_period_s;  // periods go as 1/L
+    s.momentum_at_psi_zero = s.momentum * unit;
+    solutions.push_back(s);
   }
-  if (!found) {
-    throw InputError(fmt::format("P_psi / P_phi = {:.6g} does not occur with these moments of inertia: it is {}", wanted, ranges));
+  if (solutions.empty()) {
+    throw InputError(
+        fmt::format("P_psi / P_phi = {:.6g} does not occur with these moments of inertia: it is {}", wanted, ranges));
   }
-  const Vector3 unit = momentum_with_excess(moments, *found);
-  const SpinInvariants spin = spin_invariants(inertia, unit);
-  solution.energy = 1.0 + *found;
-  solution.momentum = *spin.polhode_period_s / periods.rotation_period_s;  // periods go as 1/L
-  solution.momentum_at_psi_zero = solution.momentum * unit;
-  return solution;
+  return solutions;
 }
 
 double energy_at(const Inertia& inertia, AxisConvention convention, double theta_rad, double psi_rad) {
@@ -111,19 +111,22 @@ double energy_at(const Inertia& inertia, AxisConvention convention, double theta
                             std::pow(std::cos(psi_rad), 2) / inertia.principal_moments[axes[1]];
   const double sine = std::sin(theta_rad);
   const double cosine = std::cos(theta_rad);
-  return inertia.principal_moments[2] * (sine * sine * transverse + cosine * cosine / inertia.principal_moments[axes[2]]);
+  return inertia.principal_moments[2] *
+         (sine * sine * transverse + cosine * cosine / inertia.principal_moments[axes[2]]);
 }
 
 EulerState state_at(const Inertia& inertia, AxisConvention convention, const SpinSolution& motion, double phi_rad,
                     double psi_rad, bool theta_above_90_deg) {
   const std::array<int, 3> axes = axes_of(convention);
   const Vector3& moments = inertia.principal_moments;
-  const double transverse = std::pow(std::sin(psi_rad), 2) / moments[axes[0]] + std::pow(std::cos(psi_rad), 2) / moments[axes[1]];
+  const double transverse =
+      std::pow(std::sin(psi_rad), 2) / moments[axes[0]] + std::pow(std::cos(psi_rad), 2) / moments[axes[1]];
   const double about_axis = 1.0 / moments[axes[2]];
   const double energy = motion.energy / moments[2];
   const double sine_squared = (about_axis - energy) / (about_axis - transverse);
   if (!(sine_squared >= 0.0 && sine_squared <= 1.0)) {
-    throw InputError(fmt::format("psi = {:.6g} deg is never reached at E/E0 = {:.6g}", psi_rad * 180.0 / std::numbers::pi, motion.energy));
+    throw InputError(fmt::format("psi = {:.6g} deg is never reached at E/E0 = {:.6g}",
+                                 psi_rad * 180.0 / std::numbers::pi, motion.energy));
   }
   const double cosine = std::sqrt((energy - transverse) / (about_axis - transverse));
   const double theta = std::atan2(std::sqrt(sine_squared), theta_above_90_deg ? -cosine : cosine);

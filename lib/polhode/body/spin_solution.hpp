@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "polhode/body/inertia.hpp"
 
@@ -15,23 +16,23 @@ enum class AxisConvention { long_axis, short_axis };
 /// A tumbling motion as light-curve papers publish it.
 struct PublishedPeriods {
   AxisConvention convention = AxisConvention::long_axis;
-  double precession_period_s = 0.0;        ///< P_phi: mean time of one turn of the axis about the angular momentum
-  double rotation_period_s = 0.0;          ///< P_psi: the polhode closes, whether psi turns or swings
-  std::optional<bool> long_axis_mode;      ///< if the paper says it
+  double precession_period_s = 0.0;    ///< P_phi: mean time of one turn of the axis about the angular momentum
+  double rotation_period_s = 0.0;      ///< P_psi: the polhode closes, whether psi turns or swings
+  std::optional<bool> long_axis_mode;  ///< if the paper says it
 };
 
 /// The motion that has these periods. Energy and momentum follow from them and the ratios of inertia.
 struct SpinSolution {
   bool long_axis_mode = false;
-  double energy = 0.0;                 ///< E/E0 = 2 E I3 / L^2
-  double momentum = 0.0;               ///< L in the unit of the moments times rad/s
-  Vector3 momentum_at_psi_zero;        ///< in principal axes, where psi = 0: no intermediate component
+  double energy = 0.0;           ///< E/E0 = 2 E I3 / L^2
+  double momentum = 0.0;         ///< L in the unit of the moments times rad/s
+  Vector3 momentum_at_psi_zero;  ///< in principal axes, where psi = 0: no intermediate component
 };
 
-/// Finds the energy at which P_psi / P_phi is as given, and then the size of L from P_psi. The moments are those of a
-/// triaxial body. Throws InputError where no energy has that ratio (naming the range), or where one in each mode has it
-/// and the mode is not given.
-SpinSolution solve_periods(const Inertia& inertia, const PublishedPeriods& periods);
+/// The motions that have these periods: energies at which P_psi / P_phi is as given, and the size of L from P_psi. One,
+/// or one in each mode (short-axis mode first) if the mode is not given. The moments are those of a triaxial body.
+/// Throws InputError where no energy has that ratio, naming the range.
+std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedPeriods& periods);
 
 /// A free rotation's state in its principal axes.
 struct EulerState {

@@ -215,7 +215,8 @@ class Statistics {
 };
 
 void check_clock(const AttitudeHistory& history) {
-  if (!history.absolute_time) throw InputError("the times of an attitude history are of a clock that cannot be related to others");
+  if (!history.absolute_time)
+    throw InputError("the times of an attitude history are of a clock that cannot be related to others");
 }
 
 /// v_icrf = q v_frame q*, or nothing for a frame known by its name only.

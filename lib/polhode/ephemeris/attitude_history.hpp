@@ -76,8 +76,8 @@ struct AttitudeDifference {
   Instant time_of_largest;
 };
 
-/// The angle of the rotation between the attitudes of `a` and `b` at the times of a's rows. The body's axes are taken as
-/// the same; the reference frames are led to ICRF, or must have one name. Throws InputError if the frames cannot be
+/// The angle of the rotation between the attitudes of `a` and `b` at the times of a's rows. The body's axes are taken
+/// as the same; the reference frames are led to ICRF, or must have one name. Throws InputError if the frames cannot be
 /// related, a clock cannot be, or no row of `a` has a counterpart.
 AttitudeDifference compare(const AttitudeHistory& a, const AttitudeHistory& b);
 

@@ -46,7 +46,8 @@ Instant julian_date(std::string_view word, const SourceLocation& where, TimeScal
 void set_any_inertia(Body& body) {
   if (body.inertia) return;
   body.inertia = inertia_from_moments(Vector3(1.0, 1.0, 1.0), false);
-  body.notes.emplace_back("rotation about a principal axis is the same for any moments of inertia; 1 : 1 : 1 stands for them");
+  body.notes.emplace_back(
+      "rotation about a principal axis is the same for any moments of inertia; 1 : 1 : 1 stands for them");
 }
 
 struct Line {
@@ -89,13 +90,31 @@ std::vector<std::string> csv_header(std::string_view text) {
   std::vector<std::string> names = csv_cells(take_line(rest));
   for (std::string& name : names) {
     name = upper_case(trimmed(name));
-    std::transform(name.begin(), name.end(), name.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    std::transform(name.begin(), name.end(), name.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
   }
   return names;
 }
 
 bool has_all(const std::vector<std::string>& names, std::initializer_list<std::string_view> wanted) {
-  return std::all_of(wanted.begin(), wanted.end(), [&](std::string_view w) { return std::find(names.begin(), names.end(), w) != names.end(); });
+  return std::all_of(wanted.begin(), wanted.end(),
+                     [&](std::string_view w) { return std::find(names.begin(), names.end(), w) != names.end(); });
+}
+
+/// One of the motions that have the published periods.
+SpinSolution choose(const std::vector<SpinSolution>& motions, const PublishedSpin& spin, Body& body) {
+  if (motions.size() == 1) return motions[0];
+  const SpinSolution& a = motions[0];
+  const SpinSolution& b = motions[1];
+  if (spin.energy) return std::abs(a.energy - *spin.energy) <= std::abs(b.energy - *spin.energy) ? a : b;
+  const std::string both =
+      fmt::format("P_psi / P_phi occurs in short-axis mode with E/E0 = {:.6g} and in long-axis mode with {:.6g}",
+                  a.energy, b.energy);
+  if (!spin.likelier_mode) throw InputError(both + "; the mode or the energy must be given");
+  const SpinSolution& taken = a.separatrix_distance >= b.separatrix_distance ? a : b;
+  body.warnings.push_back(both + fmt::format("; {}-axis mode, farther from the separatrix, is assumed",
+                                             taken.long_axis_mode ? "long" : "short"));
+  return taken;
 }
 
 }  // namespace
@@ -119,13 +138,16 @@ void set_principal_axis_state(Body& body, const PublishedSpin& spin) {
 void set_tumbling_state(Body& body, const PublishedSpin& spin) {
   const AxisConvention convention = spin.short_axis_convention ? AxisConvention::short_axis : AxisConvention::long_axis;
   const Inertia& inertia = body.inertia.value();
-  const SpinSolution motion =
-      solve_periods(inertia, {convention, spin.precession_period_s, spin.rotation_period_s, spin.long_axis_mode});
-  body.notes.push_back(fmt::format("P_psi / P_phi = {:.8g} in the {}-axis convention gives {}-axis mode with E/E0 = {:.7g}",
-                                   spin.rotation_period_s / spin.precession_period_s, spin.short_axis_convention ? "short" : "long",
-                                   motion.long_axis_mode ? "long" : "short", motion.energy));
+  const SpinSolution motion = choose(
+      solve_periods(inertia, {convention, spin.precession_period_s, spin.rotation_period_s, spin.long_axis_mode}), spin,
+      body);
+  body.notes.push_back(
+      fmt::format("P_psi / P_phi = {:.8g} in the {}-axis convention gives {}-axis mode with E/E0 = {:.7g}",
+                  spin.rotation_period_s / spin.precession_period_s, spin.short_axis_convention ? "short" : "long",
+                  motion.long_axis_mode ? "long" : "short", motion.energy));
   if (spin.energy) {
-    body.notes.push_back(fmt::format("E/E0 is published as {:.7g}: residual {:+.2g}", *spin.energy, motion.energy - *spin.energy));
+    body.notes.push_back(
+        fmt::format("E/E0 is published as {:.7g}: residual {:+.2g}", *spin.energy, motion.energy - *spin.energy));
   }
   SpinState state;
   state.epoch = spin.epoch;
@@ -137,7 +159,8 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
   if (!spin.phi0_deg || !spin.psi0_deg) {
     state.omega_named_rad_s = rate(motion.momentum_at_psi_zero);
     body.missing.emplace_back("the angles phi0 and psi0 at its epoch");
-    body.notes.push_back(fmt::format("the angular momentum is at {:.6g}, {:.6g} deg in {}", spin.longitude_deg, spin.latitude_deg, name(spin.frame)));
+    body.notes.push_back(fmt::format("the angular momentum is at {:.6g}, {:.6g} deg in {}", spin.longitude_deg,
+                                     spin.latitude_deg, name(spin.frame)));
     body.state = state;
     return;
   }
@@ -145,7 +168,8 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
   const EulerState at = state_at(inertia, convention, motion, degree * *spin.phi0_deg, degree * *spin.psi0_deg, above);
   if (spin.theta0_deg) {
     const double energy = energy_at(inertia, convention, degree * *spin.theta0_deg, degree * *spin.psi0_deg);
-    body.notes.push_back(fmt::format("theta0 and psi0 give E/E0 = {:.7g}: residual {:+.2g}; the periods are followed", energy, motion.energy - energy));
+    body.notes.push_back(fmt::format("theta0 and psi0 give E/E0 = {:.7g}: residual {:+.2g}; the periods are followed",
+                                     energy, motion.energy - energy));
   } else {
     body.warnings.emplace_back("theta0 is not given: of the two angles with this energy that below 90 deg is taken");
   }
@@ -161,8 +185,8 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
 bool is_damit_spin(std::string_view text) {
   const std::vector<Line> lines = lines_of(text, 2);
   const auto numbers = [](const Line& line, std::size_t count) {
-    return line.words.size() == count &&
-           std::all_of(line.words.begin(), line.words.end(), [](std::string_view w) { return parse_number(w).has_value(); });
+    return line.words.size() == count && std::all_of(line.words.begin(), line.words.end(),
+                                                     [](std::string_view w) { return parse_number(w).has_value(); });
   };
   return lines.size() == 2 && numbers(lines[0], 3) && numbers(lines[1], 2);
 }
@@ -195,14 +219,17 @@ bool is_damit_table(std::string_view text) {
 Body parse_damit_table(std::string_view text, const std::string& path, const std::string& row) {
   const std::vector<std::string> names = csv_header(text);
   const bool tumbler = has_all(names, {"p_phi", "p_psi"});
-  constexpr std::array<std::string_view, 11> known{"lambda", "beta", "phi0", "psi0", "theta0", "p_phi", "p_psi", "i1", "i2", "i3", "jd0"};
-  constexpr std::array<std::string_view, 9> bookkeeping{"id", "asteroid_id", "created", "modified", "comment", "version", "quality_flag", "name", "number"};
+  constexpr std::array<std::string_view, 11> known{"lambda", "beta", "phi0", "psi0", "theta0", "p_phi",
+                                                   "p_psi",  "i1",   "i2",   "i3",   "jd0"};
+  constexpr std::array<std::string_view, 9> bookkeeping{"id",      "asteroid_id",  "created", "modified", "comment",
+                                                        "version", "quality_flag", "name",    "number"};
   if (tumbler) {
     for (const std::string& name : names) {
       if (std::find(known.begin(), known.end(), name) == known.end() &&
           std::find(bookkeeping.begin(), bookkeeping.end(), name) == bookkeeping.end()) {
-        throw InputError({path, 1}, fmt::format("the column '{}' of a table of tumblers is unknown; known are {} and {}", name,
-                                                fmt::join(known, ", "), fmt::join(bookkeeping, ", ")));
+        throw InputError({path, 1},
+                         fmt::format("the column '{}' of a table of tumblers is unknown; known are {} and {}", name,
+                                     fmt::join(known, ", "), fmt::join(bookkeeping, ", ")));
       }
     }
   }
@@ -234,7 +261,8 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
     found_line = line;
   }
   if (found_line == 0) {
-    throw InputError({path, 0}, row.empty() ? "the table has no rows" : fmt::format("none of the {} rows has the id {}", rows, row));
+    throw InputError(
+        {path, 0}, row.empty() ? "the table has no rows" : fmt::format("none of the {} rows has the id {}", rows, row));
   }
   const SourceLocation at{path, found_line};
   const auto number = [&](const std::string& name) { return number_in(cells.at(name), at, name); };
@@ -253,13 +281,15 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
     if (!(spin.rotation_period_s > 0.0)) throw InputError(at, "the period must be positive");
     set_principal_axis_state(body, spin);
     if (cells.contains("yorp") && !trimmed(cells["yorp"]).empty() && number("yorp") != 0.0) {
-      body.warnings.push_back(fmt::format("the change of the rate by YORP ({} rad/day^2) is not part of a free rotation", cells["yorp"]));
+      body.warnings.push_back(
+          fmt::format("the change of the rate by YORP ({} rad/day^2) is not part of a free rotation", cells["yorp"]));
     }
     return body;
   }
   const double largest = cells.contains("i3") ? number("i3") : 1.0;
   spin.psi0_deg = number("psi0");
   if (cells.contains("theta0")) spin.theta0_deg = number("theta0");
+  spin.likelier_mode = true;
   spin.precession_period_s = hour_s * number("p_phi");
   spin.rotation_period_s = hour_s * number("p_psi");
   body.warnings.emplace_back("axes assumed: I1 <= I2 <= I3, long-axis convention (Kaasalainen 2001)");
@@ -277,7 +307,8 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
 bool is_shape_model(std::string_view text) { return text.find("{SPIN STATE}") != std::string_view::npos; }
 
 Body parse_shape_model(std::string_view text, const std::string& path) {
-  // The numbers of each line behind {SPIN STATE}; what stands in braces explains, c and f say whether a fit may vary it.
+  // The numbers of each line behind {SPIN STATE}; what stands in braces explains, c and f say whether a fit may vary
+  // it.
   std::vector<std::pair<std::vector<std::string_view>, std::size_t>> rows;
   bool inside = false;
   std::size_t block_line = 0;
@@ -295,11 +326,14 @@ Body parse_shape_model(std::string_view text, const std::string& path) {
   }
   constexpr std::size_t kept = 10;
   if (rows.size() < kept) {
-    throw InputError({path, block_line}, fmt::format("the spin state ends after {} lines; date, 3 angles, 3 rates and 3 moments are wanted", rows.size()));
+    throw InputError({path, block_line},
+                     fmt::format("the spin state ends after {} lines; date, 3 angles, 3 rates and 3 moments are wanted",
+                                 rows.size()));
   }
   const auto at = [&](std::size_t row) { return SourceLocation{path, rows[row].second}; };
   const auto value = [&](std::size_t row) {
-    if (rows[row].first.size() != 1) throw InputError(at(row), fmt::format("{} numbers, one is wanted", rows[row].first.size()));
+    if (rows[row].first.size() != 1)
+      throw InputError(at(row), fmt::format("{} numbers, one is wanted", rows[row].first.size()));
     return number_in(rows[row].first[0], at(row), "spin state");
   };
   const auto three = [&](std::size_t row) { return Vector3(value(row), value(row + 1), value(row + 2)); };
@@ -307,7 +341,8 @@ Body parse_shape_model(std::string_view text, const std::string& path) {
   std::array<long long, 6> date{};
   for (std::size_t k = 0; k < 6; ++k) {
     const double part = number_in(rows[0].first[k], at(0), "date");
-    if (part != std::floor(part) || part < 0.0 || part > 9999.0) throw InputError(at(0), "the date is six whole numbers");
+    if (part != std::floor(part) || part < 0.0 || part > 9999.0)
+      throw InputError(at(0), "the date is six whole numbers");
     date[k] = static_cast<long long>(part);
   }
   Body body;
@@ -316,7 +351,9 @@ Body parse_shape_model(std::string_view text, const std::string& path) {
   SpinState state;
   state.epoch_scale = TimeScale::utc;
   try {
-    state.epoch = parse_date(fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", date[0], date[1], date[2], date[3], date[4], date[5]), TimeScale::utc);
+    state.epoch = parse_date(
+        fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", date[0], date[1], date[2], date[3], date[4], date[5]),
+        TimeScale::utc);
   } catch (const InputError& error) {
     throw InputError(at(0), error.what());
   }
@@ -331,7 +368,9 @@ Body parse_shape_model(std::string_view text, const std::string& path) {
   body.state = state;
   body.warnings.emplace_back("frame assumed: ecliptic of J2000; epoch scale assumed: UTC");
   for (std::size_t row = kept; row < std::min<std::size_t>(rows.size(), kept + 3); ++row) {
-    if (value(row) != 0.0) body.warnings.push_back(fmt::format("line {}: a change of the rate is not part of a free motion", rows[row].second));
+    if (value(row) != 0.0)
+      body.warnings.push_back(
+          fmt::format("line {}: a change of the rate is not part of a free motion", rows[row].second));
   }
   return body;
 }

@@ -33,7 +33,8 @@ struct PublishedSpin {
   double precession_period_s = 0.0, rotation_period_s = 0.0;
   bool short_axis_convention = false;
   std::optional<bool> long_axis_mode;
-  std::optional<double> energy;  ///< E/E0 as published, for the residual
+  std::optional<double> energy;  ///< E/E0 as published, for the residual and to choose between modes
+  bool likelier_mode = false;    ///< if neither says the mode: that farther from the separatrix, with a warning
   Instant epoch;
   TimeScale epoch_scale = TimeScale::tdb;
 };

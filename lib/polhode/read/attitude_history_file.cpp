@@ -33,7 +33,8 @@ void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string
 void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const SourceLocation& where) {
   const double norm = sample.q_frame_from_body.norm();
   if (!(std::abs(norm - 1.0) <= 1e-3)) {
-    throw InputError(where, fmt::format("row {}: the quaternion has length {:.6g}, it must be 1", segment.samples.size() + 1, norm));
+    throw InputError(
+        where, fmt::format("row {}: the quaternion has length {:.6g}, it must be 1", segment.samples.size() + 1, norm));
   }
   if (sample.omega_body_rad_s && !sample.omega_body_rad_s->allFinite()) {
     throw InputError(where, fmt::format("row {}: the rate is not finite", segment.samples.size() + 1));
@@ -102,13 +103,15 @@ class FitsTable {
     fits_get_coltype(file_, index, &type, &repeat, &bytes, &status);
     check(status, "has a broken table ATTITUDE");
     if (repeat != static_cast<long>(width) || (type != TDOUBLE && type != TFLOAT)) {
-      throw InputError({path_, 0}, fmt::format("column {} has {} values a row; {} real numbers are wanted", name, repeat, width));
+      throw InputError({path_, 0},
+                       fmt::format("column {} has {} values a row; {} real numbers are wanted", name, repeat, width));
     }
     unit = text(fmt::format("TUNIT{}", index).c_str()).value_or("");
     std::vector<double> values(rows_ * width);
     int any_null = 0;
     double null_value = std::nan("");
-    fits_read_col(file_, TDOUBLE, index, 1, 1, static_cast<LONGLONG>(values.size()), &null_value, values.data(), &any_null, &status);
+    fits_read_col(file_, TDOUBLE, index, 1, 1, static_cast<LONGLONG>(values.size()), &null_value, values.data(),
+                  &any_null, &status);
     check(status, "ends within its table");
     return values;
   }
@@ -124,6 +127,9 @@ class FitsTable {
   fitsfile* file_ = nullptr;
   std::size_t rows_ = 0;
 };
+
+/// FITS, perhaps compressed by gzip.
+bool is_fits(std::string_view text) { return text.starts_with("SIMPLE  =") || text.starts_with("\x1f\x8b"); }
 
 AttitudeHistory read_fits(const std::string& path) {
   const FitsTable table(path);
@@ -153,8 +159,10 @@ AttitudeHistory read_fits(const std::string& path) {
   const Instant reference = parse_date(fmt::format("MJD {:.17g} {:.17g}", day, fraction), history.scale);
   const std::string order = upper_case(table.text("QORDER").value_or("XYZS"));
   const std::string direction = upper_case(table.text("QDIR").value_or("A2B"));
-  if (order != "XYZS" && order != "SXYZ") throw fail(fmt::format("QORDER = {}; XYZS (scalar last) and SXYZ can be read", order));
-  if (direction != "A2B" && direction != "B2A") throw fail(fmt::format("QDIR = {}; A2B and B2A can be read", direction));
+  if (order != "XYZS" && order != "SXYZ")
+    throw fail(fmt::format("QORDER = {}; XYZS (scalar last) and SXYZ can be read", order));
+  if (direction != "A2B" && direction != "B2A")
+    throw fail(fmt::format("QDIR = {}; A2B and B2A can be read", direction));
   std::string frame_name = table.text("REFFRAMA").value_or("");
   if (frame_name.empty()) {
     frame_name = "ICRF";
@@ -170,7 +178,8 @@ AttitudeHistory read_fits(const std::string& path) {
   const auto omega = table.column("OMEGA", 3, rate_unit);
   if (!time || !q) throw fail("the table ATTITUDE has no column TIME or QPARAM");
   const bool days = time_unit == "d" || time_unit == "day";
-  if (!days && time_unit != "s" && !time_unit.empty()) throw fail(fmt::format("TIME is in '{}'; s and d can be read", time_unit));
+  if (!days && time_unit != "s" && !time_unit.empty())
+    throw fail(fmt::format("TIME is in '{}'; s and d can be read", time_unit));
   double rate_factor = 1.0;
   if (omega) {
     try {
@@ -179,7 +188,8 @@ AttitudeHistory read_fits(const std::string& path) {
       throw fail(std::string("OMEGA: ") + error.what());
     }
   }
-  const Instant zero = Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
+  const Instant zero =
+      Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
   AttitudeSegment segment;
   segment.body = table.text("REFFRAMB").value_or("BODY");
   for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -188,8 +198,11 @@ AttitudeHistory read_fits(const std::string& path) {
     const Instant elapsed = zero + Seconds{seconds, low ? (*low)[row] : 0.0};
     const double* v = q->data() + 4 * row;
     const Quaternion given = order == "XYZS" ? Quaternion(v[3], v[0], v[1], v[2]) : Quaternion(v[0], v[1], v[2], v[3]);
-    AttitudeSample sample{instant_from_j2000(elapsed.tt_since_j2000(), history.scale), direction == "A2B" ? given : given.conjugate(), {}};
-    if (omega) sample.omega_body_rad_s = rate_factor * Vector3((*omega)[3 * row], (*omega)[3 * row + 1], (*omega)[3 * row + 2]);
+    AttitudeSample sample{instant_from_j2000(elapsed.tt_since_j2000(), history.scale),
+                          direction == "A2B" ? given : given.conjugate(),
+                          {}};
+    if (omega)
+      sample.omega_body_rad_s = rate_factor * Vector3((*omega)[3 * row], (*omega)[3 * row + 1], (*omega)[3 * row + 2]);
     add_row(segment, sample, {path, 0});
   }
   finish(history, std::move(segment), frame_name, path);
@@ -212,7 +225,8 @@ std::string_view column_line(std::string_view& text, std::size_t& line) {
 
 bool is_text_table(std::string_view text) {
   std::size_t line = 0;
-  return text.substr(0, 1 << 16).find(date_column) != std::string_view::npos && column_line(text, line).starts_with(date_column);
+  return text.substr(0, 1 << 16).find(date_column) != std::string_view::npos &&
+         column_line(text, line).starts_with(date_column);
 }
 
 std::vector<std::string_view> cells_of(std::string_view line) {
@@ -245,9 +259,16 @@ AttitudeHistory read_text_table(std::string_view text, const std::string& path) 
   } catch (const InputError& error) {
     throw InputError({path, line}, error.what());
   }
-  const auto index = [&names](std::string_view name) { return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin()); };
-  const std::array<std::size_t, 7> at{index("q_scalar"),           index("q_x"), index("q_y"), index("q_z"), index("omega_body_x_rad_s"),
-                                      index("omega_body_y_rad_s"), index("omega_body_z_rad_s")};
+  const auto index = [&names](std::string_view name) {
+    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+  };
+  const std::array<std::size_t, 7> at{index("q_scalar"),
+                                      index("q_x"),
+                                      index("q_y"),
+                                      index("q_z"),
+                                      index("omega_body_x_rad_s"),
+                                      index("omega_body_y_rad_s"),
+                                      index("omega_body_z_rad_s")};
   for (std::size_t k = 0; k < 4; ++k) {
     if (at[k] == names.size()) throw InputError({path, line}, "the columns q_x, q_y, q_z, q_scalar are wanted");
   }
@@ -259,7 +280,8 @@ AttitudeHistory read_text_table(std::string_view text, const std::string& path) 
     ++line;
     if (cells.size() == 1 && cells[0].empty()) continue;
     const SourceLocation here{path, line};
-    if (cells.size() != names.size()) throw InputError(here, fmt::format("{} cells; {} are wanted", cells.size(), names.size()));
+    if (cells.size() != names.size())
+      throw InputError(here, fmt::format("{} cells; {} are wanted", cells.size(), names.size()));
     std::array<double, 7> v{};
     for (std::size_t k = 0; k < (rates ? 7U : 4U); ++k) {
       const std::optional<double> value = parse_number(cells[at[k]]);
@@ -286,9 +308,11 @@ AttitudeHistory read_text_table(std::string_view text, const std::string& path) 
 
 }  // namespace
 
+bool is_attitude_table(std::string_view text) { return is_fits(text) || is_text_table(text); }
+
 std::optional<AttitudeHistory> read_attitude_history(const std::string& path) {
   const std::string text = read_text_file(path);
-  if (text.starts_with("SIMPLE  =") || text.starts_with("\x1f\x8b")) return read_fits(path);
+  if (is_fits(text)) return read_fits(path);
   if (is_ccsds(text)) {
     for (CcsdsAttitudeMessage& message : parse_ccsds_attitude(text, path)) {
       if (message.history) return std::move(message.history);

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "polhode/ephemeris/attitude_history.hpp"
 
@@ -9,11 +10,15 @@ namespace polhode {
 
 /// The attitude history in a file, or nothing if the file is of a kind that has none (a body file, an APM, a shape):
 /// - an AEM or ACM of CCSDS (read/ccsds_attitude.hpp);
-/// - FITS with a table ATTITUDE of TIME and QPARAM (scalar last), perhaps OMEGA and TIME_LO: ours, and those of HEASoft.
+/// - FITS with a table ATTITUDE of TIME and QPARAM (scalar last), perhaps OMEGA and TIME_LO: ours, and those of
+/// HEASoft.
 ///   TIMESYS and MJDREF (or MJDREFI and MJDREFF) are needed; QORDER and QDIR are obeyed, REFFRAMA is the frame;
 /// - our tables of text, CSV and ECSV.
 /// Rows with rates are interpolated by HERMITE of degree 3, others by LINEAR, unless the file says otherwise. Throws
 /// InputError for faults, with file and line where there are lines, FileError if the file cannot be read.
 std::optional<AttitudeHistory> read_attitude_history(const std::string& path);
+
+/// Whether the content is such a table in FITS or text.
+bool is_attitude_table(std::string_view text);
 
 }  // namespace polhode

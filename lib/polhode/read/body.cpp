@@ -4,7 +4,9 @@
 
 #include <filesystem>
 
+#include "polhode/base/error.hpp"
 #include "polhode/read/asteroid_files.hpp"
+#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body_file.hpp"
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
@@ -27,6 +29,25 @@ Body body_of_messages(const std::string& text, const std::string& path) {
                                                     messages[i].version, messages[i].body.name));
   }
   return std::move(messages[best].body);
+}
+
+/// A table of attitudes: its first row is a state.
+Body body_of_table(const std::string& path) {
+  const AttitudeHistory history = read_attitude_history(path).value();
+  const AttitudeSegment& segment = history.segments.front();
+  const AttitudeSample& row = segment.samples.front();
+  Body body;
+  body.name = history.object.empty() ? path : history.object;
+  body.source = history.source;
+  body.warnings = history.warnings;
+  if (segment.known_frame) {
+    body.state = SpinState{row.time, history.scale, *segment.known_frame, row.q_frame_from_body, row.omega_body_rad_s};
+  } else {
+    body.missing.push_back("an attitude in an inertial frame (" + segment.frame + " is given)");
+  }
+  if (!row.omega_body_rad_s) body.missing.emplace_back("an angular velocity");
+  body.missing.emplace_back("an inertia");
+  return body;
 }
 
 /// A shape alone: ratios of inertia at uniform density, no state.
@@ -55,7 +76,9 @@ Body read_body(const std::string& path) {
   const std::string file = path.substr(0, mark);
   const std::string text = read_text_file(file);
   if (is_ccsds(text)) return body_of_messages(text, file);
-  if (is_damit_table(text)) return parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1));
+  if (is_attitude_table(text)) return body_of_table(file);
+  if (is_damit_table(text))
+    return parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1));
   if (is_damit_spin(text)) return parse_damit_spin(text, file);
   if (is_shape_model(text)) return parse_shape_model(text, file);
   if (is_mesh(text)) return body_of_mesh(text, file);

@@ -75,7 +75,8 @@ Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string&
   table.allow_only({"mesh", "mass_kg", "density_kg_m3", "length_unit"});
   const std::filesystem::path named = table.text("mesh");
   const std::string file = (named.is_absolute() ? named : std::filesystem::path(path).parent_path() / named).string();
-  const double unit_m = table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
+  const double unit_m =
+      table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
   const TriangleMesh mesh = read_mesh_file(file);
   const MassProperties solid = table.located("mesh", [&] { return mass_properties(mesh); });
   body.notes.push_back(describe(solid));
@@ -86,12 +87,14 @@ Inertia read_ellipsoid_inertia(const TomlTable& table) {
   table.allow_only({"semi_axes", "mass_kg", "density_kg_m3", "length_unit"});
   const Vector3 axes = table.vector3("semi_axes");
   if (!(axes.minCoeff() > 0.0)) throw table.error("semi_axes", "must be positive");
-  const double unit_m = table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
+  const double unit_m =
+      table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
   const Vector3 squares = axes.cwiseProduct(axes);
   MassProperties solid;
   solid.volume = 4.0 / 3.0 * std::numbers::pi * axes.prod();
   solid.inertia_about_centre =
-      Vector3(solid.volume / 5.0 * Vector3(squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1])).asDiagonal();
+      Vector3(solid.volume / 5.0 * Vector3(squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]))
+          .asDiagonal();
   return uniform_solid(table, "semi_axes", solid, unit_m);
 }
 
@@ -235,8 +238,8 @@ SpinState read_state(const TomlTable& table, Body& body) {
 
 // Direction of the angular momentum, angles and periods, as light-curve papers have them.
 void read_spin(const TomlTable& table, Body& body) {
-  table.allow_only({"epoch", "frame", "unit", "lambda", "beta", "phi0", "psi0", "theta0", "convention", "mode", "period_unit",
-                    "P_phi", "P_psi", "period", "energy"});
+  table.allow_only({"epoch", "frame", "unit", "lambda", "beta", "phi0", "psi0", "theta0", "convention", "mode",
+                    "period_unit", "P_phi", "P_psi", "period", "energy"});
   PublishedSpin spin;
   const std::string epoch = table.text("epoch");
   const Date date = table.located("epoch", [&] { return parse_date_with_scale(epoch); });
@@ -256,7 +259,8 @@ void read_spin(const TomlTable& table, Body& body) {
   spin.phi0_deg = angle("phi0");
   const std::string period_unit = table.text("period_unit");
   const double unit_s = period_unit == "s" ? 1.0 : period_unit == "h" ? 3600.0 : period_unit == "d" ? 86400.0 : 0.0;
-  if (unit_s == 0.0) throw table.error("period_unit", fmt::format("'{}' is not a unit of time; allowed: s, h, d", period_unit));
+  if (unit_s == 0.0)
+    throw table.error("period_unit", fmt::format("'{}' is not a unit of time; allowed: s, h, d", period_unit));
   const auto period = [&](std::string_view key) {
     const double value = unit_s * table.number(key);
     if (!(value > 0.0)) throw table.error(key, "must be positive");

@@ -378,7 +378,8 @@ bool is_shape_txt(std::string_view content) {
 }  // namespace
 
 bool is_mesh(std::string_view content) {
-  if (is_binary_stl(content) || content.starts_with("ply\n") || content.starts_with("ply\r") || is_shape_txt(content)) return true;
+  if (is_binary_stl(content) || content.starts_with("ply\n") || content.starts_with("ply\r") || is_shape_txt(content))
+    return true;
   // STL: the first word; OBJ: a vertex before anything that its lines cannot start with.
   for (bool first = true; !content.empty();) {
     const std::vector<std::string_view> words = split_words(take_line(content));
@@ -386,7 +387,8 @@ bool is_mesh(std::string_view content) {
     if (first && upper_case(words[0]) == "SOLID") return true;
     first = false;
     if (words[0] == "v" && words.size() >= 4) return true;
-    if (words[0] != "mtllib" && words[0] != "o" && words[0] != "g" && words[0] != "s" && words[0] != "usemtl") return false;
+    if (words[0] != "mtllib" && words[0] != "o" && words[0] != "g" && words[0] != "s" && words[0] != "usemtl")
+      return false;
   }
   return false;
 }
