@@ -142,6 +142,19 @@ TEST(BodyFile, SpinTable) {
             std::string::npos);
 }
 
+TEST(BodyFile, IncompletePublishedBodies) {
+  for (const auto& [file, energy] : {std::pair("apophis-2014.toml", 1.0285), std::pair("krylov.toml", 1.034)}) {
+    const Body b = read_body(std::string(POLHODE_DATA_DIR "/bodies/incomplete/") + file);
+    EXPECT_NEAR(1.0 + spin_invariants(*b.inertia, momentum_principal(b)).energy_above_ground, energy, 5e-4) << file;
+    EXPECT_EQ(b.missing.size(), 1U) << file;
+  }
+  // The body file of the example APM is the message.
+  const Body message = read_body(samples + "ccsds/valid/APMExample12.txt");
+  const Body file = read_body(std::string(POLHODE_DATA_DIR "/bodies/mms.toml"));
+  EXPECT_LT((*message.state->omega_named_rad_s - *file.state->omega_named_rad_s).norm(), 1e-16);
+  EXPECT_LT(rotation_angle_rad(*message.state->q_frame_from_named, *file.state->q_frame_from_named), 1e-15);
+}
+
 TEST(BodyFile, ShapesGiveInertia) {
   const Body ellipsoid =
       parse_body_file("name = 'x'\n[inertia]\nsemi_axes = [1, 2, 3]\nmass_kg = 5\nlength_unit = 'm'\n", "b");

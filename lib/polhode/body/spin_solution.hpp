@@ -24,9 +24,10 @@ struct PublishedPeriods {
 /// The motion that has these periods. Energy and momentum follow from them and the ratios of inertia.
 struct SpinSolution {
   bool long_axis_mode = false;
-  double energy = 0.0;           ///< E/E0 = 2 E I3 / L^2
-  double momentum = 0.0;         ///< L in the unit of the moments times rad/s
-  Vector3 momentum_at_psi_zero;  ///< in principal axes, where psi = 0: no intermediate component
+  double energy = 0.0;               ///< E/E0 = 2 E I3 / L^2
+  double separatrix_distance = 0.0;  ///< m_c: 0 on the separatrix, 1 farthest
+  double momentum = 0.0;             ///< L in the unit of the moments times rad/s
+  Vector3 momentum_at_psi_zero;      ///< in principal axes, where psi = 0: no intermediate component
 };
 
 /// The motions that have these periods: energies at which P_psi / P_phi is as given, and the size of L from P_psi. One,

@@ -1,8 +1,15 @@
 #include "polhode/read/toml_table.hpp"
 
+// toml++ 3.3 holds some broken input for impossible ("[" before a control character): an assertion, or undefined
+// behaviour with NDEBUG. Without either it goes on to say what is wrong.
+#pragma push_macro("NDEBUG")
+#undef NDEBUG
+#define TOML_ASSERT(expression) static_cast<void>(0)
+#include <toml++/toml.h>
+#pragma pop_macro("NDEBUG")
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
