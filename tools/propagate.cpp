@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
+#include "polhode/ephemeris/row_spacing.hpp"
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
@@ -36,6 +38,7 @@ struct PropagateOptions {
   std::string step;
   std::size_t count = 0;
   std::string times;
+  std::string tolerance;
   std::string frame = "ICRF";
   std::string scale = "TDB";
   std::string method = "auto";
@@ -123,14 +126,17 @@ class ProgressLine {
 };
 
 /// One grid per pair of --start and --stop, or one of the list.
-std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch, TimeScale scale) {
+std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch, TimeScale scale,
+                                 const std::function<std::size_t(Instant start, Instant stop)>& rows_for_tolerance) {
   if (!options.times.empty()) {
-    if (!options.starts.empty() || !options.stops.empty() || !options.step.empty() || options.count != 0) {
-      throw InputError("--times stands alone: without --start, --stop, --step, --count");
+    if (!options.starts.empty() || !options.stops.empty() || !options.step.empty() || options.count != 0 ||
+        !options.tolerance.empty()) {
+      throw InputError("--times stands alone: without --start, --stop, --step, --count, --tolerance");
     }
     return {TimeGrid::of_list(read_time_list(options.times, scale), scale)};
   }
-  if (options.step.empty() == (options.count == 0)) throw InputError("one of --step and --count is needed, or --times");
+  const int spacings = int(!options.step.empty()) + int(options.count != 0) + int(!options.tolerance.empty());
+  if (spacings != 1) throw InputError("one of --step and --count and --tolerance is needed, or --times");
   if (options.stops.empty()) throw InputError("--stop is missing");
   if (options.starts.size() != options.stops.size() && !(options.starts.empty() && options.stops.size() == 1)) {
     throw InputError(
@@ -146,10 +152,27 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
   for (std::size_t i = 0; i < options.stops.size(); ++i) {
     const Instant start = options.starts.empty() ? epoch : date(options.starts[i], epoch);
     const Instant stop = date(options.stops[i], start);
-    grids.push_back(options.step.empty() ? TimeGrid::with_count(start, stop, options.count, scale)
-                                         : TimeGrid::with_step(start, stop, parse_duration(options.step), scale));
+    if (!options.step.empty()) {
+      grids.push_back(TimeGrid::with_step(start, stop, parse_duration(options.step), scale));
+    } else {
+      const std::size_t count = options.count != 0 ? options.count : rows_for_tolerance(start, stop);
+      grids.push_back(TimeGrid::with_count(start, stop, count, scale));
+    }
   }
   return grids;
+}
+
+/// What the format's readers do between rows, as the file says it.
+struct Interpolation {
+  RowInterpolation kind;
+  std::string_view text;
+};
+
+Interpolation interpolation_of(Format format) {
+  if (format != Format::aem_kvn && format != Format::aem_xml) {
+    return {RowInterpolation::great_circle, "great circle from row to row"};
+  }
+  return {RowInterpolation::lagrange_degree_7, "LAGRANGE of degree 7 of the quaternion, made unit"};
 }
 
 void write(const PropagateOptions& options, Format format, const std::vector<Ephemeris>& segments) {
@@ -175,6 +198,14 @@ void write(const PropagateOptions& options, Format format, const std::vector<Eph
       aem.version = adm_version(options.adm);
       aem.type = aem_type(options.attitude_type);
       aem.euler_sequence = EulerSequence(options.euler_sequence);
+      if (!options.tolerance.empty()) {
+        if (aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
+            aem.type == AemType::euler_angle_angular_velocity) {
+          throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
+        }
+        aem.interpolation_method = "LAGRANGE";
+        aem.interpolation_degree = 7;
+      }
       write_aem(options.output, segments, aem, progress);
       return;
     }
@@ -195,7 +226,12 @@ void propagate(const PropagateOptions& options) {
   };
   std::vector<Ephemeris> segments;
   std::size_t rows = 0;
-  for (TimeGrid& grid : time_grids(options, body.state->epoch, scale)) {
+  const Interpolation interpolation = interpolation_of(format);
+  const auto rows_between = [&](Instant start, Instant stop) {
+    return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high,
+                              parse_angle_rad(options.tolerance), interpolation.kind);
+  };
+  for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
     rows += grid.size();
     EphemerisDescription description;
     description.object = body.name;
@@ -204,6 +240,14 @@ void propagate(const PropagateOptions& options) {
     const Seconds first = grid.instant(grid.time(0, {})) - body.state->epoch;
     const Seconds last = grid.instant(grid.time(grid.size() - 1, {})) - body.state->epoch;
     description.promised_error_rad = free_motion_error_rad(chosen.make, free, first.high, last.high);
+    if (!options.tolerance.empty()) {
+      description.tolerance_rad = parse_angle_rad(options.tolerance);
+      description.interpolation = interpolation.text;
+      if (*description.tolerance_rad < 2.0 * description.promised_error_rad) {
+        throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
+                                     *description.tolerance_rad, description.promised_error_rad));
+      }
+    }
     segments.emplace_back(std::move(description), body, out_frame, std::move(grid), states);
   }
   {
@@ -238,6 +282,9 @@ void add_propagate(CLI::App& app) {
       ->allow_extra_args(false);
   command->add_option("--step", options->step, "Distance of rows, in s, or with unit s, min, h, d");
   command->add_option("--count", options->count, "Number of rows, both ends included")->check(CLI::PositiveNumber);
+  command->add_option("--tolerance", options->tolerance,
+                      "As few rows as keep what readers interpolate within this angle, in rad, or with unit deg, "
+                      "arcmin, arcsec, mas, uas");
   command->add_option("--times", options->times, "Dates separated by commas, or a file with one date a line");
   command->add_option("--frame", options->frame, "Inertial frame of the attitude")->capture_default_str();
   command->add_option("--scale", options->scale, "Time scale of the rows, and of dates that name none")
