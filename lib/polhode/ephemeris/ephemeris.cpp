@@ -59,7 +59,7 @@ void Ephemeris::fill(std::size_t first, std::size_t count, TimeResolution resolu
   }
   const std::span high(block.elapsed_high.data(), count);
   const std::span low(block.elapsed_low.data(), count);
-  times_.elapsed_tt(std::span(block.time.data(), count), epoch_, high, low);
+  times_.elapsed_tt(std::span(block.time.data(), count), epoch_, high, low, block.scale_nodes);
   motion_(high, low, block.q_frame_from_named.data(), block.momentum_named.data());
 
   const Vector3 inverse_moments = inertia_.principal_moments.cwiseInverse();

@@ -18,10 +18,11 @@ namespace polhode {
 /// are filled.
 struct AttitudeBlock {
   std::size_t rows = 0;
-  std::vector<Seconds> time;                      ///< of the ephemeris' scale, from TimeGrid::reference()
-  std::vector<double> q_frame_from_named;         ///< rows x 4, scalar first, v_frame = q v_named q*, sign continuous
-  std::vector<double> omega_named_rad_s;          ///< rows x 3, components in the named (body) axes
-  std::vector<double> momentum_named;             ///< rows x 3, named axes; N m s if the inertia is absolute
+  std::vector<Seconds> time;               ///< of the ephemeris' scale, from TimeGrid::reference()
+  std::vector<double> q_frame_from_named;  ///< rows x 4, scalar first, v_frame = q v_named q*, sign continuous
+  std::vector<double> omega_named_rad_s;   ///< rows x 3, components in the named (body) axes
+  std::vector<double> momentum_named;      ///< rows x 3, named axes; N m s if the inertia is absolute
+  TimeGrid::ScaleNodes scale_nodes;
   std::vector<double> elapsed_high, elapsed_low;  ///< TT seconds from the body's epoch
 
   void reserve_rows(std::size_t count);

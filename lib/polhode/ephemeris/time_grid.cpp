@@ -136,39 +136,49 @@ Seconds TimeGrid::time(std::size_t index, TimeResolution resolution) const {
 
 Instant TimeGrid::instant(Seconds time) const { return instant_from_j2000(reference_since_j2000_ + time, scale_); }
 
-void TimeGrid::elapsed_tt(std::span<const Seconds> times, Instant epoch, std::span<double> high,
-                          std::span<double> low) const {
-  constexpr double node_distance_s = 10800.0;
-  const auto elapsed = [&](Seconds time) { return instant(time) - epoch; };
-  // Elapsed TT minus elapsed seconds of scale_ is nearly constant: a cubic through four nodes carries it.
-  const Seconds base = elapsed(Seconds{});
+void TimeGrid::elapsed_tt(std::span<const Seconds> times, Instant epoch, std::span<double> high, std::span<double> low,
+                          ScaleNodes& nodes) const {
+  constexpr double node_distance_s = 43200.0;
+  if (!(nodes.reference == reference_) || nodes.scale != scale_) nodes = {scale_, reference_};
+  // Elapsed TT minus elapsed seconds of scale_, since the reference: zero, or for TDB a few milliseconds that bend over
+  // days.
   const auto difference = [&](double node) {
     const Seconds at{node * node_distance_s, 0.0};
-    return (elapsed(at) - (base + at)).high;
+    return (instant(at) - reference_ - at).high;
   };
-  std::array<double, 4> nodes{};
-  double cell = std::numeric_limits<double>::quiet_NaN();
+  const auto move_to = [&](double cell) {  // keeps the nodes that the two cells have in common
+    const ScaleNodes old = nodes;
+    nodes.cell = cell;
+    for (int k = 0; k < 6; ++k) {
+      const double place = cell + k - old.cell;  // NaN at first
+      nodes.values[static_cast<std::size_t>(k)] =
+          place >= 0.0 && place < 6.0 ? old.values[static_cast<std::size_t>(place)] : difference(cell + k - 2.0);
+    }
+  };
+  const Seconds reference_elapsed = reference_ - epoch;
   for (std::size_t i = 0; i < times.size(); ++i) {
     const double position = times[i].high / node_distance_s;
-    if (!(std::floor(position) == cell)) {
-      const double next = std::floor(position);
-      const double remaining = static_cast<double>(times.size() - i);
-      const double per_row = i + 1 < times.size() ? std::abs(times[i + 1].high - times[i].high) : node_distance_s;
-      if (!(per_row * std::min(remaining, 8.0) < node_distance_s)) {  // sparse rows: the conversion itself is cheaper
-        const Seconds t = elapsed(times[i]);
+    const double cell = std::floor(position);
+    if (cell != nodes.cell) {
+      const std::size_t neighbour = i + 1 < times.size() ? i + 1 : i - (i > 0 ? 1 : 0);
+      const bool sparse = !(std::abs(times[neighbour].high - times[i].high) < node_distance_s) || times.size() < 6;
+      if (sparse) {
+        const Seconds t = instant(times[i]) - epoch;
         high[i] = t.high;
         low[i] = t.low;
-        cell = std::numeric_limits<double>::quiet_NaN();
         continue;
       }
-      cell = next;
-      for (int k = 0; k < 4; ++k) nodes[static_cast<std::size_t>(k)] = difference(cell + k - 1);
+      move_to(cell);
     }
+    // Quintic through the nodes at -2 ... 3 of the cell, by its Lagrange weights.
     const double x = position - cell;
-    const double cubic = nodes[0] * (-x * (x - 1.0) * (x - 2.0) / 6.0) +
-                         nodes[1] * ((x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0) +
-                         nodes[2] * (-(x + 1.0) * x * (x - 2.0) / 2.0) + nodes[3] * ((x + 1.0) * x * (x - 1.0) / 6.0);
-    const Seconds t = base + times[i] + Seconds{cubic, 0.0};
+    const double a = x + 2.0, b = x + 1.0, c = x, d = x - 1.0, e = x - 2.0, f = x - 3.0;
+    const double ab = a * b, cd = c * d, ef = e * f;
+    const auto& v = nodes.values;
+    const double between =
+        cd * (ef * (a * v[1] / 24.0 - b * v[0] / 120.0) + ab * (e * v[5] / 120.0 - f * v[4] / 24.0)) +
+        ab * ef * (c * v[3] - d * v[2]) / 12.0;
+    const Seconds t = reference_elapsed + times[i] + Seconds{between, 0.0};
     high[i] = t.high;
     low[i] = t.low;
   }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -58,10 +60,19 @@ class TimeGrid {
   /// The instant that time() names.
   Instant instant(Seconds time) const;
 
-  /// TT seconds from `epoch` to each of the `times` of this grid (increasing, as time() gives them). Where
-  /// rows are close, the difference of the two scales is interpolated between nodes 3 hours apart, which costs less
-  /// than 1e-13 s.
-  void elapsed_tt(std::span<const Seconds> times, Instant epoch, std::span<double> high, std::span<double> low) const;
+  /// What elapsed_tt() keeps from one call to the next: start with an empty one, one per thread.
+  struct ScaleNodes {
+    TimeScale scale = TimeScale::tt;
+    Instant reference;
+    double cell = std::numeric_limits<double>::quiet_NaN();
+    std::array<double, 6> values{};
+  };
+
+  /// TT seconds from `epoch` to each of the `times` of this grid (increasing, as time() gives them). Where rows are
+  /// close, the difference of the two scales is interpolated between nodes half a day apart, which costs less than
+  /// 1e-13 s.
+  void elapsed_tt(std::span<const Seconds> times, Instant epoch, std::span<double> high, std::span<double> low,
+                  ScaleNodes& nodes) const;
 
  private:
   TimeGrid(TimeScale scale, Instant first);

@@ -1,0 +1,105 @@
+// bench_fits FOLDER [ROWS]: a FITS ephemeris of a tumbling body, checksum included, against the same bytes as constants
+// through cfitsio, checksum included. Both take turns; the medians of five count. Exit status 1 beyond a ratio of 1.3.
+#include <fitsio.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdlib>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/motion/free_body.hpp"
+#include "polhode/motion/methods.hpp"
+#include "polhode/write/fits.hpp"
+#include "polhode/write/output_file.hpp"
+
+namespace {
+
+using polhode::Body;
+
+double seconds(const std::function<void()>& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// As many bytes per row as write_fits, all alike, in blocks of the size that cfitsio likes best.
+void write_constants(const std::string& path, std::size_t rows) {
+  polhode::OutputFile output(path);
+  fitsfile* file = nullptr;
+  int status = 0;
+  fits_create_diskfile(&file, output.temporary_path().c_str(), &status);
+  fits_create_img(file, BYTE_IMG, 0, nullptr, &status);
+  fits_write_chksum(file, &status);
+  std::array<std::string, 6> text{"TIME", "QPARAM", "OMEGA", "1D", "4D", "3D"};
+  std::array<char*, 3> names{text[0].data(), text[1].data(), text[2].data()};
+  std::array<char*, 3> forms{text[3].data(), text[4].data(), text[5].data()};
+  fits_create_tbl(file, BINARY_TBL, 0, 3, names.data(), forms.data(), nullptr, "ATTITUDE", &status);
+  constexpr std::size_t row_bytes = 64;
+  constexpr std::size_t block_rows = 4096;
+  std::vector<unsigned char> block(block_rows * row_bytes, 0x3f);
+  for (std::size_t row = 0; row < rows; row += block_rows) {
+    const std::size_t count = std::min(block_rows, rows - row);
+    fits_write_tblbytes(file, static_cast<LONGLONG>(row + 1), 1, static_cast<LONGLONG>(count * row_bytes), block.data(),
+                        &status);
+  }
+  fits_write_chksum(file, &status);
+  fits_close_file(file, &status);
+  if (status != 0) throw polhode::FileError(fmt::format("cfitsio status {}", status));
+  output.commit();
+}
+
+int bench(const std::string& folder, std::size_t rows) {
+  Body body;
+  body.name = "bench";
+  body.inertia = polhode::Inertia{{1.0, 3.0836, 3.235}};
+  body.state = polhode::SpinState{polhode::Instant(), polhode::TimeScale::tdb, polhode::Frame::icrf,
+                                  polhode::Quaternion::Identity(), polhode::Vector3(2e-5, 5e-6, 3e-6)};
+  const polhode::Method& method = polhode::method("auto");
+  const std::shared_ptr<const polhode::FreeMotion> motion = method.make(polhode::free_body(body));
+  const auto states = [motion](std::span<const double> high, std::span<const double> low, double* q, double* m) {
+    motion->batch({high, low}, polhode::StateArrays::of_structures(q, m));
+  };
+  const polhode::Instant stop = body.state->epoch + polhode::Seconds{8.64e7, 0.0};
+  const polhode::Ephemeris ephemeris(
+      {body.name, "", std::string(method.name), 0.0, {}, ""}, body, polhode::Frame::icrf,
+      polhode::TimeGrid::with_count(body.state->epoch, stop, rows, polhode::TimeScale::tdb), states);
+  const std::string path = folder + "/bench.fits";
+  constexpr std::size_t turns = 5;
+  std::array<double, turns> ours{};
+  std::array<double, turns> constants{};
+  for (std::size_t i = 0; i < turns; ++i) {
+    constants[i] = seconds([&] { write_constants(path, rows); });
+    ours[i] = seconds([&] { polhode::write_fits(path, ephemeris); });
+  }
+  ::unlink(path.c_str());
+  std::sort(ours.begin(), ours.end());
+  std::sort(constants.begin(), constants.end());
+  const double ratio = ours[turns / 2] / constants[turns / 2];
+  fmt::print("rows={}\nephemeris_s={:.3f}\nconstants_s={:.3f}\nratio={:.3f}\n", rows, ours[turns / 2],
+             constants[turns / 2], ratio);
+  constexpr double allowed = 1.3;
+  return ratio <= allowed ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 2 || argc > 3) {
+    fmt::print(stderr, "usage: bench_fits FOLDER [ROWS]\n");
+    return 2;
+  }
+  try {
+    constexpr std::size_t ten_million = 10'000'000;
+    return bench(argv[1], argc == 3 ? std::strtoull(argv[2], nullptr, 10) : ten_million);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "bench_fits: {}\n", error.what());
+    return 3;
+  }
+}
