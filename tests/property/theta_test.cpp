@@ -296,6 +296,31 @@ TEST(ThetaProperty, ContinuousIntoSymmetricTopsAndAxes) {
   }
 }
 
+/// Equal and nearly equal moments, each component of the momentum down to 1e-300 of the largest, in any unit.
+TEST(ThetaProperty, ExtremeBodiesKeepTheirStateAndTheirMotion) {
+  Bodies bodies;
+  Worst start(6 * kEps), later(40 * kEps);
+  for (int n = 0; n < 40000; ++n) {
+    const auto tiny = [&](double decades) { return std::pow(10.0, bodies.uniform(-decades, 0)); };
+    const double i2 = n % 3 == 0 ? 1 + tiny(16) : bodies.uniform(1, 2);
+    const double i3 = n % 5 == 0 ? i2 : n % 3 == 1 ? i2 + tiny(16) : i2 * bodies.uniform(1, 2);
+    Vector3 m(bodies.normal(), bodies.normal(), bodies.normal());
+    for (int k = 0; k < 3; ++k) {
+      if ((n >> k) % 2 == 1) m[k] *= tiny(n % 7 == 0 ? 300 : 30);
+    }
+    const FreeBody b{Vector3(1, i2, i3) * tiny(140), Quaternion(1, 2, 3, 4), m * tiny(140)};
+    const ThetaMotion motion(b);
+    const FreeState s = motion.at(0.0);
+    start.add(rotation_angle_rad(s.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
+    start.add((s.momentum_body - b.momentum_body).norm() / b.momentum_body.norm(), n);
+    const double t = bodies.uniform(-3, 3) / fastest(b);
+    const FreeState there = motion.at(t);
+    const FreeState back = ThetaMotion({b.principal_moments, there.q_inertial_from_body, there.momentum_body}).at(-t);
+    later.add(rotation_angle_rad(back.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
+    later.add((back.momentum_body - b.momentum_body).norm() / b.momentum_body.norm(), n);
+  }
+}
+
 TEST(ThetaProperty, ExtremeInputsStayFiniteAndUnit) {
   const double tiny = std::numeric_limits<double>::denorm_min(), huge = 1e300;
   for (const Vector3& m : {Vector3(tiny, 1, tiny), Vector3(tiny, 1, 0), Vector3(1, tiny, tiny), Vector3(tiny, tiny, 1),

@@ -56,7 +56,7 @@ Real reciprocal_complete_k(Real kc) {
     const Real mean = (a + b) * 0.5;
     // Quadratic convergence: the next mean would differ by difference^2 / (16 mean).
     const double relative = __builtin_fabs(Traits::high(difference)) / Traits::high(mean);
-    if (relative * relative < 8.0 * Traits::epsilon) return mean * 2.0 / Traits::pi();
+    if (!(relative * relative >= 8.0 * Traits::epsilon)) return mean * 2.0 / Traits::pi();
     b = sqrt(a * b);
     a = mean;
   }

@@ -46,11 +46,28 @@ inline double raised(double a) {
   return a == 0.0 || __builtin_fabs(a) >= smallest ? a : __builtin_copysign(smallest, a);
 }
 
-/// R_F of roots x 2^exponent, y 2^exponent and 1. Far below 1 it is ln(4 / (x + y)) (DLMF 19.27.2).
+/// A number times a power of two that a double's range may not hold.
 template <class Real>
-Real rf_near_one(Real x, Real y, int exponent) {
-  if (exponent > -60) return carlson_rf_of_roots<Real>(ldexp(x, exponent), ldexp(y, exponent), 1.0);
-  return log(4.0 / (x + y)) - RealTraits<Real>::ln2() * static_cast<double>(exponent);
+struct Scaled {
+  Real value;
+  int exponent;
+};
+
+template <class Real>
+int exponent_of(const Scaled<Real>& a) {
+  return exponent_of(nearest(a.value)) + a.exponent;
+}
+
+/// R_F of the roots a, b and 1. Far below 1 it is ln(4 / (a + b)) (DLMF 19.27.2).
+template <class Real>
+Real rf_near_one(const Scaled<Real>& a, const Scaled<Real>& b) {
+  const int ea = exponent_of(a), eb = exponent_of(b);
+  const int exponent = ea > eb ? ea : eb;
+  if (exponent > -60) {
+    return carlson_rf_of_roots<Real>(ldexp(a.value, a.exponent), ldexp(b.value, b.exponent), 1.0);
+  }
+  const Real sum = ldexp(a.value, a.exponent - exponent) + ldexp(b.value, b.exponent - exponent);
+  return log(4.0 / sum) - RealTraits<Real>::ln2() * static_cast<double>(exponent);
 }
 
 /// Momentum and moments in canonical axes: turned so that the momentum circles +e3, in units in which both are near 1.
@@ -62,9 +79,10 @@ struct Canonical {
   bool long_axis_mode;
   double sign[3];  // canonical component k is sign[k] times the body's component k, after the exchange
   Quaternion4<Real> q_canonical_from_body;
-  Real j21, j31, j32;  // |I_jh|
-  Real d1, d3;         // |Delta_1|, |Delta_3|
-  Real d2_13;          // |Delta_2| 2^(-2 exponent_13)
+  Real j21, j31, j32;    // |I_jh|
+  Scaled<Real> root_d1;  // sqrt |Delta_1|
+  Real d3;               // |Delta_3|
+  Real d2_13;            // |Delta_2| 2^(-2 exponent_13)
   Real g;
 };
 
@@ -134,7 +152,14 @@ Canonical<Real> canonical(const Input& in, int moment_exponent, int momentum_exp
   if (c.m[0] < 0.0) turn_by_pi(2);
 
   const Real m1 = full<Real>(c.m[0], c.exponent_13), m2 = c.m[1], m3 = full<Real>(c.m[2], c.exponent_13);
-  c.d1 = m2 * m2 * c.j21 / c.moments[1] + m3 * m3 * c.j31 / c.moments[2];
+  // Delta_1 may be the square of a tiny m3 alone, for a symmetric top.
+  const double part_2 = __builtin_fabs(c.m[1]) * __builtin_sqrt(nearest(c.j21) / c.moments[1]);
+  const double part_3 = __builtin_fabs(c.m[2]) * __builtin_sqrt(nearest(c.j31) / c.moments[2]);
+  const int exponent_2 = exponent_of(part_2), exponent_3 = exponent_of(part_3) + c.exponent_13;
+  c.root_d1.exponent = exponent_2 > exponent_3 ? exponent_2 : exponent_3;
+  const Real m2_scaled = nearest(c.j21) == 0.0 ? Real(0.0) : ldexp(m2, -c.root_d1.exponent);
+  const Real m3_scaled = ldexp(Real(c.m[2]), c.exponent_13 - c.root_d1.exponent);
+  c.root_d1.value = sqrt(m2_scaled * m2_scaled * c.j21 / c.moments[1] + m3_scaled * m3_scaled * c.j31 / c.moments[2]);
   c.d3 = m1 * m1 * c.j31 / c.moments[0] + m2 * m2 * c.j32 / c.moments[1];
   c.g = sqrt(m1 * m1 + m2 * m2 + m3 * m3);
   return c;
@@ -242,11 +267,13 @@ struct Common {
 template <class Real>
 Common<Real> common(const Canonical<Real>& c) {
   const Real i1 = c.moments[0], i2 = c.moments[1], i3 = c.moments[2];
-  const Real b31 = sqrt(i3 * c.d1 / c.j31);
+  const int e1 = c.root_d1.exponent;
+  const Real b31_scaled = sqrt(i3 / c.j31) * c.root_d1.value;
+  const Real b31 = ldexp(b31_scaled, e1);
   const Real b13 = sqrt(i1 * c.d3 / c.j31);
   const Real b23 = sqrt(i2 * c.d3 / c.j32);
   Common<Real> s;
-  s.lambda = sqrt(c.d1 * c.j32 / (i1 * i2 * i3));
+  s.lambda = ldexp(sqrt(c.j32 / (i1 * i2 * i3)) * c.root_d1.value, e1);
   if (c.long_axis_mode) {
     s.lambda = -s.lambda;
     s.half_bracket = (c.g / i1 + b31 * c.j31 / (i1 * i3)) * 0.5;
@@ -254,20 +281,24 @@ Common<Real> common(const Canonical<Real>& c) {
     s.half_bracket = (c.g / i3 + b13 * b13 * c.j31 / ((c.g + b31) * i1 * i3)) * 0.5;
   }
   // cn = m1/B13, dn = m3/B31, sn = m2/B23 at t = 0
-  s.w0 = c.m[1] == 0.0 ? Real(0.0) : c.m[1] / b23 * rf_near_one<Real>(c.m[0] / b13, c.m[2] / b31, c.exponent_13);
+  s.w0 =
+      c.m[1] == 0.0
+          ? Real(0.0)
+          : c.m[1] / b23 * rf_near_one<Real>({c.m[0] / b13, c.exponent_13}, {c.m[2] / b31_scaled, c.exponent_13 - e1});
   s.y = nearest(c.j21) == 0.0
             ? Real(kInfinite)
-            : sqrt(i1 * c.j32) *
-                  carlson_rf_of_roots<Real>(sqrt(i3 * c.j21), c.g * sqrt(c.j21 * c.j31 / c.d1), sqrt(i2 * c.j31));
+            : sqrt(i1 * c.j32) * carlson_rf_of_roots<Real>(sqrt(i3 * c.j21),
+                                                           ldexp(c.g * sqrt(c.j21 * c.j31) / c.root_d1.value, -e1),
+                                                           sqrt(i2 * c.j31));
   s.y_prime = b31 * carlson_rf_of_roots<Real>(b13, b23, c.g);
   s.k_prime = s.y + s.y_prime;
-  const Real kc = sqrt(c.d2_13 * c.j31 / (c.d1 * c.j32));
-  if (c.exponent_13 > -60) {
-    s.reciprocal_k = reciprocal_complete_k<Real>(ldexp(kc, c.exponent_13));
-  } else if (nearest(kc) == 0.0) {
+  const Scaled<Real> kc{sqrt(c.d2_13 * c.j31 / c.j32) / c.root_d1.value, c.exponent_13 - e1};
+  if (nearest(kc.value) == 0.0) {
     s.reciprocal_k = 0.0;
+  } else if (exponent_of(kc) > -60) {
+    s.reciprocal_k = reciprocal_complete_k<Real>(ldexp(kc.value, kc.exponent));
   } else {
-    s.reciprocal_k = 1.0 / rf_near_one<Real>(Real(0.0), kc, c.exponent_13);
+    s.reciprocal_k = 1.0 / rf_near_one<Real>({0.0, 0}, kc);
   }
   return s;
 }
