@@ -15,6 +15,14 @@ using Vector4 = Eigen::Vector4d;
 /// More rows make no better polynomial.
 constexpr std::size_t most_nodes = 32;
 
+/// Two files round the time of one row differently: so far beyond the first and last row the interpolation goes on.
+constexpr Seconds rounding{1e-6, 0.0};
+
+bool holds(const AttitudeSegment& segment, Instant time) {
+  return !segment.samples.empty() && !(time + rounding < segment.samples.front().time) &&
+         !(segment.samples.back().time + rounding < time);
+}
+
 bool before(const Instant& a, const AttitudeSample& b) { return a < b.time; }
 
 /// The rotation vector of q: its axis times its angle, 0 to pi.
@@ -121,7 +129,7 @@ std::size_t AttitudeHistory::rows() const {
 const AttitudeSegment* AttitudeHistory::segment_at(Instant time) const {
   const AttitudeSegment* fallback = nullptr;
   for (const AttitudeSegment& s : segments) {
-    if (time < s.samples.front().time || s.samples.back().time < time) continue;
+    if (!holds(s, time)) continue;
     if ((!s.usable_start || !(time < *s.usable_start)) && (!s.usable_stop || !(*s.usable_stop < time))) return &s;
     if (fallback == nullptr) fallback = &s;
   }
@@ -130,12 +138,14 @@ const AttitudeSegment* AttitudeHistory::segment_at(Instant time) const {
 
 AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   const std::vector<AttitudeSample>& rows = segment.samples;
-  if (rows.empty() || time < rows.front().time || rows.back().time < time) {
+  if (!holds(segment, time)) {
     throw InputError("an attitude is asked for outside of the rows of its segment");
   }
   // The rows on both sides: left <= time, right > time.
   auto right = static_cast<std::size_t>(std::upper_bound(rows.begin(), rows.end(), time, before) - rows.begin());
-  if (rows[right - 1].time == time && (rows[right - 1].omega_body_rad_s || rows.size() == 1)) return rows[right - 1];
+  right = std::max<std::size_t>(right, 1);
+  if (rows.size() == 1) return rows[0];
+  if (rows[right - 1].time == time && rows[right - 1].omega_body_rad_s) return rows[right - 1];
   right = std::min(right, rows.size() - 1);
   const std::size_t left = right - 1;
   const double span_s = (rows[right].time - rows[left].time).high;
