@@ -18,7 +18,7 @@ BODY_AND_BELOW = UPWARDS[: UPWARDS.index("body") + 1]
 # What each folder may include: whole folders, or single headers with plain structs.
 ALLOWED = {folder: UPWARDS[: i + 1] for i, folder in enumerate(UPWARDS)} | {
     "ephemeris": BODY_AND_BELOW + ["ephemeris"],
-    "read": BODY_AND_BELOW + ["ephemeris", "read", "motion/motion.hpp"],
+    "read": BODY_AND_BELOW + ["torque", "ephemeris", "read", "motion/motion.hpp"],
     "write": BODY_AND_BELOW + ["ephemeris", "write"],
 }
 WRAPPED = re.compile(r"(erfa\w*\.h|fitsio\d?\.h|toml\+\+/.*|pugixml\.hpp|nlohmann/.*|CLI/.*|sundials/.*)")

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "polhode/torque/terms.hpp"
+
+namespace polhode {
+
+/// A torque that keeps its components.
+struct ConstantTorque {
+  enum class Axes { body, inertial };
+
+  Vector3 torque;  ///< N m, or unit of momentum / s
+  Axes axes = Axes::body;
+
+  template <class Real>
+  void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
+    const Vector3Of<Real> t = torque.cast<Real>();
+    terms.constant += axes == Axes::body ? t : place.to_body(t);
+  }
+};
+
+}  // namespace polhode

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "polhode/torque/trajectory.hpp"
+
+namespace polhode {
+
+/// Torque of the currents that a magnetic field induces in a turning conductor, and the field of a dipole:
+///
+///     torque = B x (M dB/dt),   dB/dt = B x omega + (dB/dt seen by a body that does not turn)      body axes
+///     B = (moment/r^3) (3 (a . r) r/r^2 - a)                                                        tesla
+///
+/// (Praly et al. 2012, Acta Astronautica 76; Ortiz Gomez & Walker 2015, Advances in Space Research 56, 494.) M, the
+/// magnetic tensor, is in S m^4 = N m s / T^2: it is a conductivity times a length to the fifth.
+struct EddyCurrents {
+  Matrix3 magnetic_tensor_s_m4;  ///< symmetric, principal axes
+  Vector3 dipole_axis;           ///< unit, inertial, towards the south magnetic pole of a planet like Earth reversed
+  double dipole_t_m3;            ///< field on the dipole's equator times the distance cubed; Earth 7.8e15
+  Trajectory trajectory;         ///< of the body, from the dipole
+
+  template <class Real>
+  void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
+    const OrbitState<Real> orbit = trajectory.state(place.t_s);
+    const Vector3Of<Real>&r = orbit.position_m, &v = orbit.velocity_m_s;
+    const Vector3Of<Real> a = dipole_axis.cast<Real>();
+    using std::sqrt;
+    const Real r2 = r.squaredNorm(), strength = Real(dipole_t_m3) / (r2 * sqrt(r2)), ar = a.dot(r) / r2;
+    const Real rv = r.dot(v) / r2;
+    const Vector3Of<Real> field = strength * (3 * ar * r - a);
+    const Vector3Of<Real> field_rate = 3 * strength * ((a.dot(v) / r2 - 5 * ar * rv) * r + ar * v + rv * a);
+    const Vector3Of<Real> B = place.to_body(field);
+    Matrix3Of<Real> cross;
+    cross << 0, -B[2], B[1], B[2], 0, -B[0], -B[1], B[0], 0;
+    const Matrix3Of<Real> induced = cross * magnetic_tensor_s_m4.cast<Real>();
+    terms.constant += induced * place.to_body(field_rate);
+    terms.damping -= induced * cross;  // B x (M (B x omega)) = -(cross^T M cross) omega
+    terms.depends_on_rate = true;
+  }
+};
+
+}  // namespace polhode

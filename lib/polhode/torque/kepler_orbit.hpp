@@ -1,0 +1,59 @@
+#pragma once
+
+#include "polhode/torque/terms.hpp"
+
+namespace polhode {
+
+/// What fixes motion about a point mass: ellipse, parabola and hyperbola in one form.
+struct KeplerElements {
+  double mu_m3_s2 = 0.0;                    ///< positive
+  double periapsis_m = 0.0;                 ///< distance, positive
+  double eccentricity = 0.0;                ///< 0 or more
+  double periapsis_time_s = 0.0;            ///< on the body's clock
+  Vector3 to_periapsis = Vector3::UnitX();  ///< inertial, any length but 0
+  Vector3 along_normal = Vector3::UnitZ();  ///< inertial, made orthogonal to the other; the body moves along
+                                            ///< normal x periapsis at periapsis
+};
+
+/// A place and how it moves, inertial axes.
+template <class Real>
+struct OrbitState {
+  Vector3Of<Real> position_m, velocity_m_s;
+};
+
+/// Motion on a Kepler orbit, by universal functions from periapsis (Battin 1999, section 4.5): with alpha = (1 - e)/q
+/// and U_k(chi) the time equation sqrt(mu) (t - tp) = q U1 + U3 and the radius r = q + e U2 are sums of positive terms
+/// for every eccentricity, so that nothing is lost at or near e = 1. The equation is solved to the last digits of Real
+/// (double or long double); an ellipse is first reduced to half a turn from periapsis. Position error below 1e-14 r in
+/// double for up to a turn from periapsis (tested against a solution with 50 digits), growing with the number of turns.
+class KeplerOrbit {
+ public:
+  /// Throws InputError for elements out of range.
+  explicit KeplerOrbit(const KeplerElements& elements);
+
+  /// Of the body, from the point mass.
+  template <class Real>
+  OrbitState<Real> state(Real t_s) const;
+
+  const KeplerElements& elements() const { return elements_; }
+
+ private:
+  template <class Real>
+  struct Constants {
+    Real sqrt_mu, alpha, period_s, time_s, sqrt_parameter;
+    Vector3Of<Real> x, y;  // towards periapsis, and a right angle ahead
+  };
+
+  /// A first value of chi for sqrt(mu) |t - tp|, and an upper bound.
+  template <class Real>
+  void starter(Real path, Real& bound, Real& chi) const;
+
+  KeplerElements elements_;
+  Constants<long double> extended_;
+  Constants<double> plain_;
+};
+
+extern template OrbitState<double> KeplerOrbit::state(double) const;
+extern template OrbitState<long double> KeplerOrbit::state(long double) const;
+
+}  // namespace polhode

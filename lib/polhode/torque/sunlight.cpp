@@ -1,0 +1,47 @@
+#include "polhode/torque/sunlight.hpp"
+
+#include <fmt/format.h>
+
+#include "polhode/base/error.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double kSolarConstant_w_m2 = 1361.0;  // total solar irradiance at 1 au, IAU 2015 resolution B3
+constexpr double kAstronomicalUnit_m = 149597870700.0;
+constexpr double kLightSpeed_m_s = 299792458.0;
+
+}  // namespace
+
+Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory trajectory)
+    : surface_(surface), trajectory_(std::move(trajectory)) {
+  if (!(surface.specular >= 0.0 && surface.diffuse >= 0.0 && surface.specular + surface.diffuse <= 1.0)) {
+    throw InputError(
+        fmt::format("the surface reflects {} specular and {} diffuse, shares from 0 to 1 together are wanted",
+                    surface.specular, surface.diffuse));
+  }
+  std::vector<Facet> facets;
+  facets.reserve(mesh.facets.size());
+  for (const auto& corners : mesh.facets) {
+    const Vector3 &a = mesh.vertices[corners[0]], &b = mesh.vertices[corners[1]], &c = mesh.vertices[corners[2]];
+    facets.push_back({0.5 * (b - a).cross(c - a), (a + b + c) / 3.0});
+  }
+  facets_ = std::make_shared<const std::vector<Facet>>(std::move(facets));
+}
+
+Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
+  const double r2 = to_sun_body_m.squaredNorm();
+  const Vector3 s = to_sun_body_m / std::sqrt(r2);
+  Vector3 sum = Vector3::Zero();
+  for (const Facet& facet : *facets_) {
+    const double lit_m2 = facet.area_m2.dot(s);
+    if (!(lit_m2 > 0.0)) continue;
+    const double area_m2 = facet.area_m2.norm(), cosine = lit_m2 / area_m2;
+    const Vector3 n = facet.area_m2 / area_m2;
+    sum -= lit_m2 * facet.centre_m.cross((1.0 - surface_.specular) * s +
+                                         (2.0 * surface_.specular * cosine + 2.0 / 3.0 * surface_.diffuse) * n);
+  }
+  return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
+}
+
+}  // namespace polhode

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "polhode/body/mesh_inertia.hpp"
+#include "polhode/torque/trajectory.hpp"
+
+namespace polhode {
+
+/// Pressure of sunlight on the facets of a body, and of the light and heat that they send back at once (YORP without
+/// thermal inertia; Rubincam 2000, Icarus 148, 2; Scheeres 2007, Icarus 188, 430). A facet of area A, outward normal n,
+/// at x, lit at cosine c = n . s > 0 by the Sun in direction s feels
+///
+///     force = -(pressure) A c ((1 - specular) s + (2 specular c + (2/3) diffuse) n),     torque = sum of x x force
+///
+/// Facets do not shade each other, and there is no eclipse: for a body with deep hollows this is an estimate.
+class Sunlight {
+ public:
+  struct Surface {
+    double specular = 0.0;  ///< share of the light mirrored
+    double diffuse = 1.0;   ///< share scattered or sent out as heat from the same facet (Lambert's law)
+  };
+
+  /// `mesh` in metres, about the centre of mass, in the principal axes; `trajectory` of the body from the Sun. Throws
+  /// InputError for shares outside 0 to 1 or above 1 together.
+  Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory trajectory);
+
+  template <class Real>
+  void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
+    const Vector3 r = trajectory_.state(static_cast<double>(place.t_s)).position_m;
+    const Vector3 sun = -(place.inertial_from_body.template cast<double>().transpose() * r);
+    terms.constant += torque(sun).cast<Real>();
+  }
+
+  /// N m, in body axes; `to_sun_body_m` is the vector from the body to the Sun.
+  Vector3 torque(const Vector3& to_sun_body_m) const;
+
+ private:
+  struct Facet {
+    Vector3 area_m2, centre_m;  // area times normal
+  };
+  std::shared_ptr<const std::vector<Facet>> facets_;
+  Surface surface_;
+  Trajectory trajectory_;
+};
+
+}  // namespace polhode

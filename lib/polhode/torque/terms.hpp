@@ -1,0 +1,43 @@
+#pragma once
+
+#include "polhode/base/geometry.hpp"
+
+namespace polhode {
+
+template <class Real>
+using Vector3Of = Eigen::Matrix<Real, 3, 1>;
+template <class Real>
+using Matrix3Of = Eigen::Matrix<Real, 3, 3>;
+
+/// What the torques on a body come to at one instant and one attitude, in the principal axes. Everything left to know
+/// is the momentum m and the rate omega:
+///
+///     m' = m x omega + constant - damping omega + relaxation m x (m x omega)
+///     q' = q (0, omega + relaxation m x omega) / 2
+///
+/// Each torque adds its part. A splitting method solves the part beside the free motion from these numbers.
+template <class Real>
+struct TorqueTerms {
+  Vector3Of<Real> constant = Vector3Of<Real>::Zero();
+  Matrix3Of<Real> damping = Matrix3Of<Real>::Zero();
+  Real relaxation = 0;
+  bool depends_on_rate = false;  ///< false: damping is 0
+
+  /// The torque from outside, unit of m / s.
+  Vector3Of<Real> torque(const Vector3Of<Real>& omega_rad_s) const {
+    return depends_on_rate ? Vector3Of<Real>(constant - damping * omega_rad_s) : constant;
+  }
+};
+
+/// Where a torque is asked for: seconds on the body's clock, and the rotation v_inertial = R v_body.
+template <class Real>
+struct TorquePlace {
+  Real t_s;
+  Matrix3Of<Real> inertial_from_body;
+
+  Vector3Of<Real> to_body(const Vector3Of<Real>& v_inertial) const {
+    return inertial_from_body.transpose() * v_inertial;
+  }
+};
+
+}  // namespace polhode
