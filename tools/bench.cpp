@@ -66,6 +66,9 @@ std::vector<double> irregular_times(const std::vector<double>& own, std::size_t 
 void bench(const BenchOptions& options) {
   const Method& chosen = method(options.method);
   const CaseFile wanted = read_case_file(options.case_file);
+  if (!wanted.torques.empty()) {
+    throw InputError(fmt::format("{} has torques ('T' lines); bench measures free motion", options.case_file));
+  }
   const auto make_short = chosen.make_short != nullptr ? chosen.make_short : chosen.make;
   const std::unique_ptr<FreeMotion> motion = chosen.make(wanted.body);
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iterator>
 #include <memory>
@@ -8,6 +9,7 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/motion/methods.hpp"
+#include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
 #include "subcommands.hpp"
 
@@ -21,12 +23,21 @@ struct EvalOptions {
   double step_s = 0.0;           // for integrators of fixed step; 0 is the method's choice
 };
 
-std::unique_ptr<FreeMotion> make_motion(const Method& chosen, const FreeBody& body, const EvalOptions& options) {
+std::unique_ptr<FreeMotion> make_free_motion(const Method& chosen, const FreeBody& body, const EvalOptions& options) {
   if (options.step_s != 0.0 && !chosen.fixed_step) {
     throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
   }
   if (!chosen.make_controlled) return chosen.make(body);
   return chosen.make_controlled(body, {.step_s = options.step_s, .tolerance = options.tolerance_rad});
+}
+
+std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const EvalOptions& options) {
+  if (options.step_s != 0.0)
+    throw InputError("--step is for free motion; under torques --tolerance says how fine to be");
+  const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
+  return std::make_unique<TorquedMotion>(
+      wanted.body, wanted.torques,
+      TorquedOptions{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last), options.method});
 }
 
 void eval(const EvalOptions& options) {
@@ -36,9 +47,10 @@ void eval(const EvalOptions& options) {
   if (!(options.step_s >= 0.0 && std::isfinite(options.step_s))) {
     throw InputError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
   }
-  const Method& chosen = method(options.method);
   const CaseFile wanted = read_case_file(options.case_file);
-  const std::unique_ptr<FreeMotion> motion = make_motion(chosen, wanted.body, options);
+  const std::unique_ptr<FreeMotion> motion = wanted.torques.empty()
+                                                 ? make_free_motion(method(options.method), wanted.body, options)
+                                                 : make_torqued_motion(wanted, options);
   const auto count = static_cast<Eigen::Index>(wanted.times_s.size());
   Eigen::Matrix4Xd quaternions(4, count);
   Eigen::Matrix3Xd momenta(3, count);
@@ -56,7 +68,13 @@ void eval(const EvalOptions& options) {
   write_standard_output({text.data(), text.size()});
   if (failed != 0) {
     throw CheckFailed(
-        fmt::format("{} of {} rows are not finite (method {})", failed, wanted.times_s.size(), chosen.name));
+        fmt::format("{} of {} rows are not finite (method {})", failed, wanted.times_s.size(), options.method));
+  }
+  const auto* torqued = dynamic_cast<const TorquedMotion*>(motion.get());
+  if (torqued != nullptr && torqued->outcome() != Outcome::done) {
+    throw CheckFailed(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was asked for (method {})",
+                                  outcome_name(torqued->outcome()), torqued->error_rad(), options.tolerance_rad,
+                                  torqued->method()));
   }
 }
 
@@ -65,7 +83,10 @@ void eval(const EvalOptions& options) {
 void add_eval(CLI::App& app) {
   auto options = std::make_shared<EvalOptions>();
   CLI::App* command = app.add_subcommand("eval", "States of a case file: a line q0 q1 q2 q3 m1 m2 m3 per time");
-  command->add_option("--method", options->method, "Name from `polhode methods`, or auto")->capture_default_str();
+  command
+      ->add_option("--method", options->method,
+                   "Name from `polhode methods`, or auto; under torques a splitting scheme or extrapolation")
+      ->capture_default_str();
   command
       ->add_option("--tolerance", options->tolerance_rad,
                    "Wanted attitude error in radians, under torques; tolerance of an adaptive integrator")

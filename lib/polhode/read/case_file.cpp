@@ -16,7 +16,7 @@ namespace polhode {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r\f\v";
-constexpr std::string_view kLayout = "`I I1 I2 I3`, `q q0 q1 q2 q3`, `m m1 m2 m3`, `t T`";
+constexpr std::string_view kLayout = "`I I1 I2 I3`, `q q0 q1 q2 q3`, `m m1 m2 m3`, `t T`, `T TORQUE`";
 
 std::vector<std::string_view> split(std::string_view line) {
   std::vector<std::string_view> words;
@@ -76,6 +76,31 @@ Vector3 principal_moments(const std::array<double, 3>& I, const SourceLocation& 
   return {I[0], I[1], I[2]};
 }
 
+/// The torque of a `T` line.
+Torque torque(std::vector<std::string_view> words, const SourceLocation& where) {
+  constexpr std::string_view kinds = "gravity-gradient, constant-body, linear-body";
+  words.erase(words.begin());
+  if (words.empty()) throw InputError(where, fmt::format("found 'T' alone, a torque is wanted: {}", kinds));
+  const std::string_view kind = words[0];
+  if (kind == "gravity-gradient") {
+    const auto v = numbers<10>(words, where);
+    try {
+      return GravityGradient(v[0], KeplerElements{v[0], v[1], v[2], v[3], {v[4], v[5], v[6]}, {v[7], v[8], v[9]}});
+    } catch (const InputError& problem) {
+      throw InputError(where, problem.what());
+    }
+  }
+  if (kind == "constant-body") {
+    const auto v = numbers<3>(words, where);
+    return ConstantTorque{{v[0], v[1], v[2]}, ConstantTorque::Axes::body};
+  }
+  if (kind == "linear-body") {
+    const auto v = numbers<3>(words, where);
+    return LinearDamping{{v[0], v[1], v[2]}};
+  }
+  throw InputError(where, fmt::format("found unknown torque '{:.40}', allowed are {}", kind, kinds));
+}
+
 Quaternion attitude(const std::array<double, 4>& q, const SourceLocation& where) {
   if (q == std::array<double, 4>{}) throw InputError(where, "found q = 0 0 0 0, any other quaternion is allowed");
   return from_scalar_first({q[0], q[1], q[2], q[3]});
@@ -87,6 +112,7 @@ CaseFile read_case_file(const std::string& path) {
   const std::string text = read_text_file(path);
   std::optional<Vector3> moments, momentum;
   std::optional<Quaternion> q;
+  std::vector<Torque> torques;
   CaseFile result;
 
   SourceLocation where{path, 0};
@@ -107,7 +133,7 @@ CaseFile read_case_file(const std::string& path) {
     } else if (key == "t") {
       result.times_s.push_back(numbers<1>(words, where)[0]);
     } else if (key == "T") {
-      throw InputError(where, "found a torque ('T' line); torques are not supported yet, only free motion is");
+      torques.push_back(torque(words, where));
     } else {
       throw InputError(where, fmt::format("found unknown key '{:.40}', allowed lines are {}", key, kLayout));
     }
@@ -121,6 +147,7 @@ CaseFile read_case_file(const std::string& path) {
   require(momentum.has_value(), "m");
   require(!result.times_s.empty(), "t");
   result.body = {*moments, *q, *momentum};
+  result.torques = Torques(std::move(torques));
   return result;
 }
 

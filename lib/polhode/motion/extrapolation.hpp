@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "polhode/motion/motion.hpp"
+#include "polhode/torque/torques.hpp"
+
+namespace polhode {
+
+/// Attitude and momentum with the digits of long double (64 bits on x86, 113 on most others).
+struct ExtendedState {
+  Eigen::Quaternion<long double> q_inertial_from_body = Eigen::Quaternion<long double>::Identity();
+  Vector3Of<long double> momentum_body = Vector3Of<long double>::Zero();
+};
+
+/// Gragg's modified midpoint rule with polynomial extrapolation in the square of the step, order 16 in 105 evaluations,
+/// in long double (Hairer, Norsett & Wanner, Solving ODEs I, section II.9): knows nothing of the exact free motion, so
+/// that it checks the splitting methods, and goes where doubles run out of digits.
+class Extrapolation {
+ public:
+  Extrapolation(const Vector3& principal_moments, const Torques& torques)
+      : moments_(principal_moments.cast<long double>()), torques_(torques) {}
+
+  struct Step {
+    ExtendedState state;
+    double error = 0.0;  ///< of attitude (rad) and momentum (relative) together, an estimate from above
+  };
+  /// One step of any length and sign.
+  Step step(long double t_s, const ExtendedState& state, long double length_s);
+
+  std::size_t torque_evaluations() const { return evaluations_; }
+
+ private:
+  using Values = Eigen::Matrix<long double, 7, 1>;  // q scalar first, m
+  Values rate(long double t_s, const Values& y);
+
+  Vector3Of<long double> moments_;
+  const Torques& torques_;
+  std::size_t evaluations_ = 0;
+};
+
+}  // namespace polhode

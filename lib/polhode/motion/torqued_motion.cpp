@@ -1,0 +1,324 @@
+#include "polhode/motion/torqued_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "polhode/base/error.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr std::string_view kExtrapolation = "extrapolation";
+constexpr std::string_view kAuto = "auto";
+constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel and the error estimate are made for
+constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
+constexpr double kFewestKicksPerRadian = 10.0;
+constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
+
+ExtendedState extended(const FreeState& state) {
+  return {state.q_inertial_from_body.cast<long double>(), state.momentum_body.cast<long double>()};
+}
+
+FreeState plain(const ExtendedState& state) {
+  return {state.q_inertial_from_body.cast<double>(), state.momentum_body.cast<double>()};
+}
+
+/// Angle between two attitudes to the digits of long double.
+double angle_rad(const ExtendedState& a, const ExtendedState& b) {
+  const auto difference = a.q_inertial_from_body.conjugate() * b.q_inertial_from_body;
+  return static_cast<double>(2.0L * std::atan2(difference.vec().norm(), std::abs(difference.w())));
+}
+
+/// What rounding in doubles adds up to, at the least: a random walk in the energy, one rounding per kick, that turns
+/// into phase.
+double rounding_rad(double phase_rad, double kicks) { return 1e-16 * std::sqrt(kicks) * (1.0 + phase_rad); }
+
+}  // namespace
+
+std::string_view outcome_name(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::done:
+      return "done";
+    case Outcome::stopped:
+      return "stopped";
+    default:
+      return "tolerance not reachable";
+  }
+}
+
+/// Makes paths; what they share while they are made.
+class TorquedMotion::Builder {
+ public:
+  Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, const SplittingScheme* scheme)
+      : options_(options), scheme_(scheme), moments_(body.principal_moments) {
+    start_ = {body.q_inertial_from_body.cast<long double>().normalized(), body.momentum_body.cast<long double>()};
+    for (const bool forward : {true, false}) {
+      const double end_s = forward ? options.last_s : options.first_s;
+      std::vector<double> ends;
+      for (const double jump_s : torques.jumps_s()) {
+        if (jump_s != 0.0 && (jump_s > 0.0) == forward && std::abs(jump_s) < std::abs(end_s)) ends.push_back(jump_s);
+      }
+      ends.push_back(end_s);
+      std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+      double from_s = 0.0;
+      for (const double to_s : ends) {
+        (forward ? forward_ : backward_).push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}});
+        from_s = to_s;
+      }
+    }
+  }
+
+  /// One state from a splitting method or from extrapolation.
+  static ExtendedState stepped(const SplittingScheme* scheme, const Vector3& moments, const Torques& torques,
+                               const Node& from, double length_s, std::size_t parts, std::size_t& evaluations,
+                               double* local_error) {
+    if (scheme == nullptr) {
+      Extrapolation method(moments, torques);
+      ExtendedState state = from.state;
+      const long double part_s = static_cast<long double>(length_s) / parts;
+      for (std::size_t i = 0; i < parts; ++i) {
+        const Extrapolation::Step step = method.step(from.t_s + i * part_s, state, part_s);
+        state = step.state;
+        if (local_error != nullptr) *local_error = step.error;
+      }
+      evaluations += method.torque_evaluations();
+      return state;
+    }
+    const FreeState start = plain(from.state);
+    SplittingRun run({moments, start.q_inertial_from_body, start.momentum_body}, from.t_s, torques, *scheme);
+    for (std::size_t i = 0; i < parts; ++i) run.step(length_s / static_cast<double>(parts));
+    evaluations += run.torque_evaluations();
+    return extended(run.state());
+  }
+
+  /// Paths both ways whose steps were chosen for this local tolerance. False if the limit of evaluations ended it.
+  bool choose_steps(double tolerance_rad, Path& forward, Path& backward) {
+    forward = forward_, backward = backward_;
+    return choose_steps(tolerance_rad, forward) && choose_steps(tolerance_rad, backward);
+  }
+
+  /// The same path with every step in two; false as above.
+  bool halve(const Path& coarse, Path& fine) {
+    fine = coarse;
+    ExtendedState state = start_;
+    for (std::size_t l = 0; l < coarse.size(); ++l) {
+      const std::vector<Node>& nodes = coarse[l].nodes;
+      fine[l].nodes.assign(1, {nodes[0].t_s, state});
+      if (scheme_ != nullptr) {
+        const FreeState start = plain(state);
+        SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, nodes[0].t_s, fine[l].torques,
+                         *scheme_);
+        for (std::size_t i = 1; i < nodes.size(); ++i) {
+          const double middle_s = 0.5 * (nodes[i - 1].t_s + nodes[i].t_s);
+          for (const double to_s : {middle_s, nodes[i].t_s}) {
+            run.step(to_s - run.t_s());
+            fine[l].nodes.push_back({to_s, extended(run.state())});
+          }
+          if (evaluations_ + run.torque_evaluations() > options_.max_torque_evaluations) return false;
+        }
+        evaluations_ += run.torque_evaluations();
+      } else {
+        for (std::size_t i = 1; i < nodes.size(); ++i) {
+          const double middle_s = 0.5 * (nodes[i - 1].t_s + nodes[i].t_s);
+          for (const double to_s : {middle_s, nodes[i].t_s}) {
+            const Node from = fine[l].nodes.back();
+            fine[l].nodes.push_back(
+                {to_s, stepped(nullptr, moments_, fine[l].torques, from, to_s - from.t_s, 1, evaluations_, nullptr)});
+          }
+          if (evaluations_ > options_.max_torque_evaluations) return false;
+        }
+      }
+      state = fine[l].nodes.back().state;
+    }
+    return true;
+  }
+
+  /// Largest angle between a path and its halved one, at their common times.
+  static double difference_rad(const Path& coarse, const Path& fine) {
+    double worst = 0.0;
+    for (std::size_t l = 0; l < coarse.size(); ++l) {
+      for (std::size_t i = 0; i < coarse[l].nodes.size(); ++i) {
+        const double angle = angle_rad(coarse[l].nodes[i].state, fine[l].nodes[2 * i].state);
+        worst = angle <= worst ? worst : angle;  // a NaN stays
+      }
+    }
+    return worst;
+  }
+
+  double rounding_rad(const Path& path) const {
+    double phase_rad = 0.0;
+    std::size_t steps = 0;
+    for (const Leg& leg : path) {
+      for (std::size_t i = 1; i < leg.nodes.size(); ++i) {
+        const Vector3 omega = leg.nodes[i].state.momentum_body.cast<double>().cwiseQuotient(moments_);
+        phase_rad += omega.norm() * std::abs(leg.nodes[i].t_s - leg.nodes[i - 1].t_s);
+      }
+      steps += leg.nodes.size();
+    }
+    const double kicks = scheme_ == nullptr ? 1.0 : static_cast<double>(scheme_->kicks);
+    return polhode::rounding_rad(phase_rad, kicks * static_cast<double>(steps));
+  }
+
+  std::size_t evaluations() const { return evaluations_; }
+
+ private:
+  bool choose_steps(double tolerance_rad, Path& path) {
+    ExtendedState state = start_;
+    const double end_s = path.back().nodes.back().t_s;
+    for (Leg& leg : path) {
+      const double leg_end_s = leg.nodes.back().t_s;
+      leg.nodes.assign(1, {leg.nodes[0].t_s, state});
+      double wanted_s = std::abs(leg_end_s - leg.nodes[0].t_s);
+      while (leg.nodes.back().t_s != leg_end_s) {
+        const Node from = leg.nodes.back();
+        const double remaining_s = std::abs(leg_end_s - from.t_s);
+        const double rate_rad_s = from.state.momentum_body.cast<double>().cwiseQuotient(moments_).norm();
+        double length_s = std::min(wanted_s, kTimeScaleShare * leg.torques.time_scale_s(from.t_s));
+        if (rate_rad_s > 0.0) length_s = std::min(length_s, kLongestTurn_rad / rate_rad_s);
+        if (length_s > 0.999 * remaining_s) {
+          length_s = remaining_s;
+        } else if (length_s > 0.5 * remaining_s) {
+          length_s = 0.5 * remaining_s;  // no sliver at the end
+        }
+        const double to_s = length_s == remaining_s ? leg_end_s : from.t_s + std::copysign(length_s, leg_end_s);
+        length_s = std::abs(to_s - from.t_s);
+        if (!(length_s > 4e-16 * std::abs(from.t_s))) return false;
+
+        double error = 0.0;
+        ExtendedState next;
+        Node middle{};
+        // A momentum off by a part d turns the body d omega t away in the time t that is left; but these errors swing
+        // rather than add up, and what they come to is measured afterwards: start from the geometric mean.
+        const double weight = std::sqrt(1.0 + rate_rad_s * std::abs(end_s - from.t_s));
+        if (scheme_ == nullptr) {
+          next = stepped(nullptr, moments_, leg.torques, from, to_s - from.t_s, 1, evaluations_, &error);
+          error *= weight / 1000.0;  // two orders of the step lie between the estimate and the error
+        } else {
+          const ExtendedState whole =
+              stepped(scheme_, moments_, leg.torques, from, to_s - from.t_s, 1, evaluations_, nullptr);
+          middle = {0.5 * (from.t_s + to_s), {}};
+          middle.state = stepped(scheme_, moments_, leg.torques, from, middle.t_s - from.t_s, 1, evaluations_, nullptr);
+          next = stepped(scheme_, moments_, leg.torques, middle, to_s - middle.t_s, 1, evaluations_, nullptr);
+          const double momentum = static_cast<double>(next.momentum_body.norm());
+          const double momentum_error = static_cast<double>((next.momentum_body - whole.momentum_body).norm());
+          error = angle_rad(whole, next) + (momentum > 0.0 ? momentum_error / momentum * weight : 0.0);
+          error /= 16.0;  // of the halves, for the lowest order there is
+        }
+        const double turned_rad =
+            length_s * static_cast<double>(next.momentum_body.cast<double>().cwiseQuotient(moments_).norm());
+        // Local errors of a symmetric method hardly add up: their share falls with the root of the number of steps.
+        // Below the rounding of a step there is nothing to gain.
+        const double rounding = (scheme_ == nullptr ? 3e-18 / 1000.0 : 5e-15 / 16.0) * weight;
+        const double allowed = std::max(tolerance_rad * std::sqrt(length_s / std::abs(end_s)), rounding);
+        if (evaluations_ > options_.max_torque_evaluations) return false;
+        const bool good = error <= allowed && turned_rad <= 2.0 * kLongestTurn_rad;
+        const double exponent = scheme_ == nullptr ? 1.0 / 15.0 : 1.0 / 7.0;
+        const double factor =
+            !std::isfinite(error) ? 0.1 : 0.85 * std::pow(allowed / std::max(error, 1e-300), exponent);
+        wanted_s = length_s * std::clamp(factor, 0.1, good ? 4.0 : 0.7);
+        if (good && scheme_ != nullptr) leg.nodes.push_back(middle);
+        if (good) leg.nodes.push_back({to_s, next});
+      }
+      state = leg.nodes.back().state;
+    }
+    return true;
+  }
+
+  const TorquedOptions& options_;
+  const SplittingScheme* scheme_;
+  Vector3 moments_;
+  ExtendedState start_;
+  Path forward_, backward_;  // one leg per stretch between jumps, with its two ends as nodes
+  std::size_t evaluations_ = 0;
+};
+
+TorquedMotion::TorquedMotion(const FreeBody& body, Torques torques, const TorquedOptions& options)
+    : moments_(body.principal_moments) {
+  if (!(options.tolerance_rad > 0.0)) {
+    throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
+  }
+  if (!(options.first_s <= 0.0 && options.last_s >= 0.0 && std::isfinite(options.last_s - options.first_s))) {
+    throw InputError(
+        fmt::format("the span is {} s to {} s, a finite one that holds 0 is wanted", options.first_s, options.last_s));
+  }
+  const bool choose = options.method == kAuto;
+  if (options.method != kExtrapolation) scheme_ = &splitting_scheme(choose ? "near-10-6-4" : options.method);
+  const double phase_rad =
+      body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
+  if (choose && rounding_rad(phase_rad, kFewestKicksPerRadian * phase_rad) > options.tolerance_rad) scheme_ = nullptr;
+
+  for (;;) {
+    Builder builder(body, torques, options, scheme_);
+    const auto keep = [&](Path& forward, Path& backward, std::size_t evaluations) {
+      forward_ = std::move(forward);
+      backward_ = std::move(backward);
+      kept_evaluations_ = evaluations;
+      first_s_ = backward_.back().nodes.back().t_s;
+      last_s_ = forward_.back().nodes.back().t_s;
+    };
+    method_ = scheme_ == nullptr ? kExtrapolation : scheme_->name;
+    Path forward, backward;
+    bool whole = builder.choose_steps(options.tolerance_rad, forward, backward);
+    bool hopeless = choose && scheme_ != nullptr &&
+                    std::max(builder.rounding_rad(forward), builder.rounding_rad(backward)) > options.tolerance_rad;
+    error_rad_ = std::numeric_limits<double>::infinity();
+    outcome_ = Outcome::tolerance_not_reachable;
+    for (int refinement = 0; whole && !hopeless && refinement < 5; ++refinement) {
+      Path finer_forward, finer_backward;
+      const std::size_t before = builder.evaluations();
+      whole = builder.halve(forward, finer_forward) && builder.halve(backward, finer_backward);
+      if (!whole) break;
+      const double difference =
+          std::max(Builder::difference_rad(forward, finer_forward), Builder::difference_rad(backward, finer_backward));
+      // Halving gains a factor of 16 at the least until rounding shows.
+      hopeless = !(difference < 0.5 * error_rad_);
+      error_rad_ = std::min(error_rad_, difference);
+      forward = std::move(finer_forward), backward = std::move(finer_backward);
+      if (difference <= options.tolerance_rad / kSafety) {
+        outcome_ = Outcome::done;
+        keep(forward, backward, builder.evaluations() - before);
+        break;
+      }
+    }
+    evaluations_ += builder.evaluations();
+    if (outcome_ == Outcome::done) break;
+    if (whole && choose && scheme_ != nullptr) {  // doubles cannot do it
+      scheme_ = nullptr;
+      continue;
+    }
+    if (!whole) outcome_ = Outcome::stopped;
+    keep(forward, backward, builder.evaluations());
+    break;
+  }
+}
+
+std::size_t TorquedMotion::steps() const {
+  std::size_t count = 0;
+  for (const Path* path : {&forward_, &backward_}) {
+    for (const Leg& leg : *path) count += leg.nodes.size() - 1;
+  }
+  return count;
+}
+
+FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
+  if (!(t_high_s >= first_s_ && t_high_s <= last_s_)) {
+    throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_,
+                                 last_s_, t_high_s));
+  }
+  const Path& path = t_high_s >= 0.0 ? forward_ : backward_;
+  const double away_s = std::abs(t_high_s);
+  const Leg& leg =
+      *std::find_if(path.begin(), path.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.nodes.back().t_s); });
+  const auto after = std::upper_bound(leg.nodes.begin(), leg.nodes.end(), away_s,
+                                      [](double t, const Node& node) { return t < std::abs(node.t_s); });
+  const Node& node = *(after == leg.nodes.begin() ? after : after - 1);
+  const double length_s = (t_high_s - node.t_s) + t_low_s;
+  if (length_s == 0.0) return plain(node.state);
+  std::size_t uncounted = 0;
+  return plain(Builder::stepped(scheme_, moments_, leg.torques, node, length_s, 1, uncounted, nullptr));
+}
+
+}  // namespace polhode

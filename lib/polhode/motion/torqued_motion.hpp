@@ -1,0 +1,81 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "polhode/motion/extrapolation.hpp"
+#include "polhode/motion/motion.hpp"
+#include "polhode/motion/splitting.hpp"
+#include "polhode/torque/torques.hpp"
+
+namespace polhode {
+
+/// How a propagation ended.
+enum class Outcome {
+  done,     ///< the whole span, within the tolerance
+  stopped,  ///< the limit of torque evaluations ended it: states from first_s() to last_s() were reached
+  tolerance_not_reachable,  ///< the whole span, but error_rad() is above the tolerance
+};
+std::string_view outcome_name(Outcome outcome);
+
+struct TorquedOptions {
+  /// Wanted error of the attitude anywhere in the span, in radians, for the numbers as given.
+  double tolerance_rad = 1e-9;
+  /// The span, which holds t = 0.
+  double first_s = 0.0, last_s = 0.0;
+  /// "auto": the near-integrable scheme (10,6,4) around the exact motion while doubles can meet the tolerance, else
+  /// extrapolation in long double; or one of splitting_schemes() by name; or "extrapolation".
+  std::string_view method = "auto";
+  /// Of all runs together.
+  std::size_t max_torque_evaluations = 400'000'000;
+};
+
+/// The motion of a rigid body under torques, from t = 0 both ways, computed once and answered at any time.
+///
+/// The length of a step is chosen by doubling: each is done whole and in halves, and the difference, weighted by how a
+/// change of momentum grows until the end, must stay below its share of the tolerance. That says nothing about how
+/// errors grow on a chaotic path, so the whole span is then done again with all steps halved, until two such runs agree
+/// within the tolerance; error_rad() is their difference (the finer one is kept, whose error is smaller still). Where
+/// rounding keeps them apart, extrapolation in long double takes over. Between the ends of steps a state is a shorter
+/// step of the same method from the last end: full order everywhere.
+class TorquedMotion final : public FreeMotion {
+ public:
+  /// Throws InputError for a span without 0, a tolerance that is not positive, an unknown method.
+  TorquedMotion(const FreeBody& body, Torques torques, const TorquedOptions& options);
+
+  /// Throws InputError for a time beyond what was propagated.
+  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+
+  Outcome outcome() const { return outcome_; }
+  std::string_view method() const { return method_; }                        ///< the one that gave the states
+  double error_rad() const { return error_rad_; }                            ///< estimated, worst of the span
+  double first_s() const { return first_s_; }                                ///< reached
+  double last_s() const { return last_s_; }                                  ///< reached
+  std::size_t steps() const;                                                 ///< kept
+  std::size_t torque_evaluations() const { return evaluations_; }            ///< of all runs
+  std::size_t kept_torque_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
+
+ private:
+  struct Node {
+    double t_s;
+    ExtendedState state;
+  };
+  /// Nodes between two jumps of the torques, away from t = 0.
+  struct Leg {
+    Torques torques;
+    std::vector<Node> nodes;
+  };
+  using Path = std::vector<Leg>;  // one direction, from t = 0 outward
+  class Builder;
+
+  Vector3 moments_;
+  const SplittingScheme* scheme_ = nullptr;  // null: extrapolation
+  Path forward_, backward_;
+  double first_s_ = 0.0, last_s_ = 0.0;
+  Outcome outcome_ = Outcome::done;
+  std::string_view method_;
+  double error_rad_ = 0.0;
+  std::size_t evaluations_ = 0, kept_evaluations_ = 0;
+};
+
+}  // namespace polhode

@@ -1,0 +1,302 @@
+#include "polhode/motion/torqued_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "polhode/base/error.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double kEarth = 3.986004418e14;
+
+/// Envisat-like, on a circular low orbit.
+FreeBody satellite(const Vector3& omega_rad_s = {0.02, 0.01, 0.04}) {
+  const Vector3 moments(17000, 124800, 129200);
+  return {moments, Quaternion(0.3, -0.5, 0.7, 0.2).normalized(), moments.cwiseProduct(omega_rad_s)};
+}
+constexpr double kRadius_m = 7.146e6;
+const double kMeanMotion = std::sqrt(kEarth / (kRadius_m * kRadius_m * kRadius_m));
+
+Torques gravity(double eccentricity = 0.0) {
+  return Torques(
+      {GravityGradient(kEarth, KeplerElements{kEarth, kRadius_m, eccentricity, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
+}
+
+FreeState run(const FreeBody& body, const Torques& torques, std::string_view scheme, double span_s, int steps) {
+  SplittingRun r(body, 0.0, torques, splitting_scheme(scheme));
+  for (int i = 0; i < steps; ++i) r.step(span_s / steps);
+  return r.state();
+}
+
+FreeState reference(const FreeBody& body, const Torques& torques, double span_s) {
+  const TorquedMotion motion(body, torques, {1e-13, std::min(0.0, span_s), std::max(0.0, span_s), "extrapolation"});
+  EXPECT_EQ(motion.outcome(), Outcome::done);
+  return motion.at(span_s);
+}
+
+double distance(const FreeState& a, const FreeState& b) {
+  return std::max(rotation_angle_rad(a.q_inertial_from_body, b.q_inertial_from_body),
+                  (a.momentum_body - b.momentum_body).norm() / b.momentum_body.norm());
+}
+
+TEST(Splitting, SchemesAreConsistentAndSymmetric) {
+  for (const SplittingScheme& scheme : splitting_schemes()) {
+    double a = 0.0, b = 0.0;
+    for (std::size_t i = 0; i <= scheme.kicks; ++i) a += scheme.drift(i);
+    for (std::size_t i = 0; i < scheme.kicks; ++i) {
+      b += scheme.kick(i);
+      EXPECT_EQ(scheme.kick(i), scheme.kick(scheme.kicks - 1 - i));
+    }
+    EXPECT_NEAR(a, 1.0, 1e-14) << scheme.name;
+    EXPECT_NEAR(b, 1.0, 1e-14) << scheme.name;
+  }
+  EXPECT_THROW(splitting_scheme("yoshida"), InputError);
+}
+
+TEST(Splitting, EverySchemeHasItsOrder) {
+  // A torque as large as the inertia forces: the order in h alone. One of 1e-4 of that: the order of its first power.
+  // Steps are doubled in number; the order is the steepest fall on the way from 1e-5 (1e-7) down to near rounding.
+  struct {
+    const char* scheme;
+    double order, order_near;
+  } const wanted[] = {{"strang", 2, 2},     {"blanes-moan-4", 4, 4}, {"blanes-moan-6", 6, 6}, {"near-8-4", 4, 8},
+                      {"near-10-4", 4, 10}, {"near-8-6-4", 4, 8},    {"near-10-6-4", 4, 10}};
+  for (const bool near : {false, true}) {
+    const FreeBody body = near ? satellite({0.004, 0.002, 0.01}) : satellite({0.001, 0.0005, 0.0012});
+    const Torques torques({GravityGradient(near ? kEarth * 1e-4 : kEarth,
+                                           KeplerElements{kEarth, kRadius_m, 0.1, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
+    const double span_s = 3000.0;
+    const FreeState truth = reference(body, torques, span_s);
+    for (const auto& w : wanted) {
+      double order = 0.0;
+      double coarse = distance(run(body, torques, w.scheme, span_s, 4), truth);
+      for (int steps = 8; steps <= 2048; steps *= 2) {
+        const double fine = distance(run(body, torques, w.scheme, span_s, steps), truth);
+        if (fine < 2e-13) break;
+        if (coarse < (near ? 1e-7 : 1e-5) || steps == 2048) order = std::max(order, std::log2(coarse / fine));
+        coarse = fine;
+      }
+      EXPECT_GT(order, (near ? w.order_near : w.order) - 0.5)
+          << w.scheme << (near ? ", small torque" : ", large torque");
+      EXPECT_LT(order, 13.0) << w.scheme << ": two steps only by luck so far apart";
+    }
+  }
+}
+
+TEST(Splitting, ForwardAndBackwardIsWhereItBegan) {
+  const FreeBody body = satellite();
+  const Torques torques = gravity(0.1);
+  for (const SplittingScheme& scheme : splitting_schemes()) {
+    SplittingRun r(body, 0.0, torques, scheme);
+    for (int i = 0; i < 200; ++i) r.step(20.0);
+    for (int i = 0; i < 200; ++i) r.step(-20.0);
+    EXPECT_LT(distance(r.state(), {body.q_inertial_from_body, body.momentum_body}), 1e-11) << scheme.name;
+  }
+}
+
+/// Energy in the frame that turns with a circular orbit, divided by that of rotation: conserved exactly by the motion.
+double jacobi_integral(const FreeBody& body, const FreeState& s, double t_s) {
+  const Vector3 normal(0, 0.6, 0.8);
+  const Vector3 r = KeplerOrbit({kEarth, kRadius_m, 0.0, 100.0, {1, 0, 0}, normal}).state(t_s).position_m;
+  const Vector3 up = s.q_inertial_from_body.conjugate() * r.normalized();
+  const Vector3& m = s.momentum_body;
+  const Vector3 L = s.q_inertial_from_body * m;
+  const double kinetic = 0.5 * m.dot(m.cwiseQuotient(body.principal_moments));
+  return (kinetic - kMeanMotion * L.dot(normal) +
+          1.5 * kMeanMotion * kMeanMotion * up.dot(body.principal_moments.cwiseProduct(up))) /
+         kinetic;
+}
+
+TEST(Splitting, JacobiIntegralStaysBoundedOverAHundredThousandTurns) {
+  // Strang's scheme at a step that is far from exact: what must not grow is the error, whatever its size. 1e5 turns of
+  // the body, about 1500 orbits; a drift in proportion to time would show from the first tenth to the last.
+  const FreeBody body = satellite({0.02, 0.01, 0.07});
+  const Torques torques = gravity();
+  SplittingRun r(body, 0.0, torques, splitting_scheme("strang"));
+  const double start = jacobi_integral(body, r.state(), 0.0), step_s = 30.0;
+  double first = 0.0, last = 0.0;
+  const int steps = 300000;
+  for (int i = 1; i <= steps; ++i) {
+    r.step(step_s);
+    const double off = std::abs(jacobi_integral(body, r.state(), r.t_s()) - start);
+    if (i <= steps / 10) first = std::max(first, off);
+    if (i > steps - steps / 10) last = std::max(last, off);
+  }
+  EXPECT_LT(last, 1.5 * first);
+  EXPECT_LT(last, 0.05);
+}
+
+TEST(Splitting, KeepsTheMomentumInSpaceExactlyWithoutTorque) {
+  const FreeBody body = satellite();
+  const Torques none;
+  SplittingRun r(body, 0.0, none, splitting_scheme("strang"));
+  const Vector3 L = body.q_inertial_from_body * body.momentum_body;
+  for (int i = 0; i < 10000; ++i) r.step(17.0);
+  const FreeState s = r.state();
+  EXPECT_LT((s.q_inertial_from_body * s.momentum_body - L).norm(), 1e-15 * L.norm());
+}
+
+// Closed forms.
+
+TEST(TorquedMotion, DampedSphereSlowsExponentially) {
+  const Vector3 moments(3, 3, 3), omega(0.2, -0.1, 0.4);
+  const FreeBody body{moments, Quaternion::Identity(), 3.0 * omega};
+  const TorquedMotion motion(body, Torques({LinearDamping{{0.06, 0.06, 0.06}}}), {1e-12, -100.0, 200.0});
+  EXPECT_EQ(motion.outcome(), Outcome::done);
+  for (const double t : {-100.0, -3.0, 0.0, 1.0, 77.0, 200.0}) {
+    const double rate = 0.06 / 3.0, angle = omega.norm() * -std::expm1(-rate * t) / rate;
+    const Quaternion q(Eigen::AngleAxisd(angle, omega.normalized()));
+    EXPECT_LT(distance(motion.at(t), {q, 3.0 * omega * std::exp(-rate * t)}), 2e-12) << t;
+  }
+}
+
+TEST(TorquedMotion, SphereUnderAnInertialTorqueGainsItLinearly) {
+  const FreeBody body{{2, 2, 2}, Quaternion(0.5, 0.5, -0.5, 0.5), {0, 0, 0}};
+  const Vector3 torque(0.01, -0.02, 0.03);
+  const TorquedMotion motion(body, Torques({ConstantTorque{torque, ConstantTorque::Axes::inertial}}),
+                             {1e-11, 0.0, 100.0});
+  EXPECT_EQ(motion.outcome(), Outcome::done);
+  for (const double t : {0.0, 10.0, 100.0}) {
+    const Quaternion q =
+        Quaternion(Eigen::AngleAxisd(0.25 * torque.norm() * t * t, torque.normalized())) * body.q_inertial_from_body;
+    EXPECT_LT(rotation_angle_rad(motion.at(t).q_inertial_from_body, q), 1e-11) << t;
+    EXPECT_LT((motion.at(t).q_inertial_from_body * motion.at(t).momentum_body - torque * t).norm(), 1e-11);
+  }
+}
+
+TEST(TorquedMotion, PulsesAddTheirImpulse) {
+  const FreeBody body{{1, 2, 3}, Quaternion::Identity(), {0, 0, 0.6}};
+  const TorquedMotion motion(body,
+                             Torques({ThrusterPulse{20.0, 4.0, {0, 0, 0.1}}, ThrusterPulse{-9.0, 2.0, {0, 0, -0.3}}}),
+                             {1e-12, -30.0, 50.0});
+  EXPECT_EQ(motion.outcome(), Outcome::done);
+  const auto angle_and_spin = [&](double t) {  // by hand: about the third axis throughout
+    if (t >= 24.0) return std::pair{0.2 * t + 0.1 / 3 * 8.0 + 0.4 / 3 * (t - 24.0), 1.0};
+    if (t >= 20.0) return std::pair{0.2 * t + 0.1 / 3 * 0.5 * (t - 20.0) * (t - 20.0), 0.6 + 0.1 * (t - 20.0)};
+    if (t >= -7.0) return std::pair{0.2 * t, 0.6};
+    if (t >= -9.0) return std::pair{0.2 * t - 0.1 * 0.5 * (t + 7.0) * (t + 7.0), 0.6 - 0.3 * (t + 7.0)};
+    return std::pair{0.2 * t - 0.2 + 0.2 * (t + 9.0), 1.2};
+  };
+  for (const double t : {-30.0, -8.0, 0.0, 20.0, 21.5, 24.0, 50.0}) {
+    const auto [angle, spin] = angle_and_spin(t);
+    EXPECT_LT(distance(motion.at(t), {Quaternion(Eigen::AngleAxisd(angle, Vector3::UnitZ())), {0, 0, spin}}), 2e-12)
+        << t;
+  }
+}
+
+// Balances: the definition of each torque against the motion that came out.
+
+TEST(TorquedMotion, EnergyChangesByThePowerOfTheTorques) {
+  Matrix3 M = Vector3(931500, 1059000, 1059000).asDiagonal();
+  const FreeBody body = satellite();
+  const Torques torques(
+      {GravityGradient(kEarth, KeplerElements{kEarth, kRadius_m, 0.01, 0.0, {1, 0, 0}, {0, 0.6, 0.8}}),
+       EddyCurrents{100.0 * M, Vector3::UnitZ(), 7.8e15,
+                    KeplerElements{kEarth, kRadius_m, 0.01, 0.0, {1, 0, 0}, {0, 0.6, 0.8}}},
+       LinearDamping{{3.0, 5.0, 2.0}}});
+  for (const char* method : {"near-10-6-4", "extrapolation"}) {
+    const TorquedMotion motion(body, torques, {1e-10, 0.0, 5000.0, method});
+    EXPECT_EQ(motion.outcome(), Outcome::done) << method;
+    const auto energy = [&](double t) {
+      const Vector3 m = motion.at(t).momentum_body;
+      return 0.5 * m.dot(m.cwiseQuotient(body.principal_moments));
+    };
+    for (const double t : {30.0, 777.0, 4321.0}) {
+      const double h = 0.5;
+      const double rate =
+          (8.0 * (energy(t + h) - energy(t - h)) - (energy(t + 2 * h) - energy(t - 2 * h))) / (12.0 * h);
+      const FreeState s = motion.at(t);
+      const Vector3 omega = s.momentum_body.cwiseQuotient(body.principal_moments);
+      const double power = torques.at(t, s.q_inertial_from_body, body.principal_moments).torque(omega).dot(omega);
+      EXPECT_NEAR(rate, power, 1e-6 * std::abs(power)) << method << " " << t;
+    }
+  }
+}
+
+TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotation) {
+  const Vector3 moments(1, 2, 3);
+  const FreeBody body{moments, Quaternion::Identity(), {0.95, 0.2, 0.25}};  // about the long axis
+  const double G = body.momentum_body.norm();
+  const Torques torques({InternalDissipation::from_quality_factor(5.0, moments, G)});
+  const double k = std::get<InternalDissipation>(torques.list()[0]).relaxation;
+  for (const char* method : {"near-10-6-4", "extrapolation"}) {
+    const TorquedMotion motion(body, torques, {1e-8, 0.0, 400.0, method});
+    EXPECT_EQ(motion.outcome(), Outcome::done) << method;
+    const auto energy = [&](double t) {
+      const Vector3 m = motion.at(t).momentum_body;
+      return 0.5 * m.dot(m.cwiseQuotient(moments));
+    };
+    for (const double t : {0.0, 20.0, 150.0, 400.0}) {
+      const FreeState s = motion.at(t);
+      EXPECT_LT((s.q_inertial_from_body * s.momentum_body - body.momentum_body).norm(), 1e-8 * G) << method << t;
+    }
+    const double t = 20.0, h = 0.05;
+    const Vector3 m = motion.at(t).momentum_body;
+    const double loss = k * m.cross(m.cwiseQuotient(moments)).squaredNorm();
+    EXPECT_NEAR((energy(t + h) - energy(t - h)) / (2 * h), -loss, 1e-3 * loss) << method;
+    EXPECT_GT(energy(0.0), 1.2 * G * G / 6.0);
+    EXPECT_NEAR(energy(400.0), G * G / 6.0, 1e-3 * G * G);
+  }
+}
+
+// Control.
+
+TEST(TorquedMotion, BothMethodsAgreeWithinTheTolerance) {
+  const FreeBody body = satellite({0.002, 0.001, 0.006});
+  const Torques torques = gravity(0.3);
+  const FreeState truth = reference(body, torques, 20000.0);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+    const TorquedMotion motion(body, torques, {tolerance, 0.0, 20000.0});
+    EXPECT_EQ(motion.outcome(), Outcome::done);
+    EXPECT_LT(rotation_angle_rad(motion.at(20000.0).q_inertial_from_body, truth.q_inertial_from_body), tolerance);
+    EXPECT_LE(motion.error_rad(), tolerance);
+  }
+}
+
+TEST(TorquedMotion, BetweenStepsIsAsGoodAsAtTheirEnds) {
+  const FreeBody body = satellite();
+  const TorquedMotion motion(body, gravity(0.1), {1e-8, -3000.0, 3000.0});
+  const TorquedMotion exact(body, gravity(0.1), {1e-12, -3000.0, 3000.0, "extrapolation"});
+  for (double t = -3000.0; t <= 3000.0; t += 7.3) {
+    EXPECT_LT(rotation_angle_rad(motion.at(t).q_inertial_from_body, exact.at(t).q_inertial_from_body), 1e-8) << t;
+  }
+}
+
+TEST(TorquedMotion, SaysWhenItStopsOrCannotReachTheTolerance) {
+  const FreeBody body = satellite();
+  TorquedOptions few{1e-9, 0.0, 1e5};
+  few.max_torque_evaluations = 5000;
+  const TorquedMotion stopped(body, gravity(), few);
+  EXPECT_EQ(stopped.outcome(), Outcome::stopped);
+  EXPECT_GT(stopped.last_s(), 0.0);
+  EXPECT_LT(stopped.last_s(), 1e5);
+  EXPECT_TRUE(stopped.at(0.5 * stopped.last_s()).momentum_body.allFinite());
+  EXPECT_THROW(stopped.at(1e5), InputError);
+  // Doubles cannot give 1e-15 over a hundred turns, and this method must not claim it.
+  const TorquedMotion rounding(body, gravity(), {1e-15, 0.0, 2e4, "near-10-6-4"});
+  EXPECT_EQ(rounding.outcome(), Outcome::tolerance_not_reachable);
+  EXPECT_GT(rounding.error_rad(), 1e-15);
+  EXPECT_TRUE(rounding.at(2e4).momentum_body.allFinite());
+}
+
+TEST(TorquedMotion, RefusesWrongOptions) {
+  const FreeBody body = satellite();
+  EXPECT_THROW(TorquedMotion(body, gravity(), {0.0, 0.0, 1.0}), InputError);
+  EXPECT_THROW(TorquedMotion(body, gravity(), {std::nan(""), 0.0, 1.0}), InputError);
+  EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 1.0, 2.0}), InputError);
+  EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, INFINITY}), InputError);
+  EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, 1.0, "rk4"}), InputError);
+}
+
+TEST(TorquedMotion, EmptySpanIsTheStart) {
+  const FreeBody body = satellite();
+  const TorquedMotion motion(body, gravity(), {1e-9, 0.0, 0.0});
+  EXPECT_EQ(motion.outcome(), Outcome::done);
+  EXPECT_LT(distance(motion.at(0.0), {body.q_inertial_from_body, body.momentum_body}), 1e-15);
+}
+
+}  // namespace
+}  // namespace polhode
