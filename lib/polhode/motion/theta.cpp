@@ -50,10 +50,8 @@ ThetaMotion::ThetaMotion(const FreeBody& body, Span span, const theta::Target& t
 }
 
 FreeState ThetaMotion::at(double t_high_s, double t_low_s) const {
-  double q[4];
   FreeState state;
-  target_->at(solution_, t_high_s, t_low_s, q, state.momentum_body.data());
-  state.q_inertial_from_body = Quaternion(q[0], q[1], q[2], q[3]);
+  target_->at(solution_, t_high_s, t_low_s, state.q_inertial_from_body.coeffs().data(), state.momentum_body.data());
   return state;
 }
 

@@ -100,7 +100,7 @@ struct Target {
   int lanes;
   void (*build)(const Input&, Solution&);        ///< double-double: any span
   void (*build_short)(const Input&, Solution&);  ///< double: a step of a splitting method
-  void (*at)(const Solution&, double t_high, double t_low, double q[4], double m[3]);
+  void (*at)(const Solution&, double t_high, double t_low, double q_xyzw[4], double m[3]);  ///< as Eigen stores them
   void (*batch)(const Solution&, const BatchArguments&);
 };
 

@@ -9,12 +9,12 @@ namespace {
 void build_any_span(const Input& in, Solution& out) { build<DoubleDouble>(in, out); }
 void build_short_span(const Input& in, Solution& out) { build<double>(in, out); }
 
-void at_one(const Solution& s, double t_high, double t_low, double q[4], double m[3]) {
+void at_one(const Solution& s, double t_high, double t_low, double q_xyzw[4], double m[3]) {
   dispatch(s, [&](const auto& at) {
     double qs[4], ms[3];
     const Pair<double> t = two_sum<double>(t_high, t_low);
     at(t.high, t.low, qs, ms);
-    for (int k = 0; k < 4; ++k) q[k] = qs[k];
+    for (int k = 0; k < 4; ++k) q_xyzw[k] = qs[(k + 1) % 4];
     for (int k = 0; k < 3; ++k) m[k] = ms[k];
   });
 }
