@@ -130,10 +130,10 @@ void print_history(Page& page, const AttitudeHistory& history) {
                name(history.scale));
   for (const AttitudeSegment& s : history.segments) {
     const auto date = [&](Instant t) { return format_date(t, history.scale, 6); };
-    page.row(fmt::format("{} in {}", s.body, s.frame),
-             fmt::format("{} to {}, {} rows{}, {} of degree {}", date(s.samples.front().time),
-                         date(s.samples.back().time), s.samples.size(), s.has_rates() ? " with rates" : "",
-                         name(s.method), s.degree));
+    page.row(
+        fmt::format("{} in {}", s.body, s.frame),
+        fmt::format("{} to {}, {} rows{}, {} of degree {}", date(s.samples.front().time), date(s.samples.back().time),
+                    s.samples.size(), s.has_rates() ? " with rates" : "", name(s.method), s.degree));
   }
 }
 

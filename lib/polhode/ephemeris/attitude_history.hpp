@@ -64,7 +64,7 @@ struct AttitudeHistory {
 ///   instant, in the components of the quaternion relative to that rotation. HERMITE of degree n fits the rates as
 ///   well, with (n + 1) / 2 rows; without rates it is LAGRANGE. Fewer rows if the segment is short.
 ///
-/// Rows are met exactly. `time` outside of the rows by more than 1 us (two files round one time differently): InputError.
+/// Rows are met exactly. `time` more than 1 us outside of the rows (two files round one time differently): InputError.
 AttitudeSample interpolate(const AttitudeSegment& segment, Instant time);
 
 /// Differences between two attitudes over time.

@@ -63,10 +63,9 @@ double next_flip_s(const ThetaMotion& motion, double after_s) {
   }
   // The count may be off by one after rounding.
   const double about = std::ceil(std::fma(rate, after_s, offset) / period);
-  for (double n = about - 1.0; n <= about + 1.0; n += 1.0) {
-    const double t = std::fma(n, period, -offset) / rate;
+  for (const double step : {-1.0, 0.0, 1.0}) {
+    const double t = std::fma(about + step, period, -offset) / rate;
     if (t > after_s) return t;
-    if (n + 1.0 == n) break;
   }
   return never;
 }

@@ -25,7 +25,7 @@ struct FreeState {
   Vector3 momentum_body;            ///< principal axes, unit of FreeBody::momentum_body
 };
 
-/// Instants in seconds from t = 0: `high`, or high + low where a caller has two parts (they may overlap). Any order, any size, any sign.
+/// Seconds from t = 0: `high`, or high + low for callers with two parts (they may overlap). Any order, size and sign.
 struct TimeArrays {
   std::span<const double> high;
   std::span<const double> low = {};  ///< empty, or as long as `high`

@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "polhode/read/text.hpp"
 #include "polhode/read/ccsds_units.hpp"
+#include "polhode/read/text.hpp"
 
 namespace polhode {
 namespace {

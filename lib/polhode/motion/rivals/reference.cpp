@@ -54,9 +54,10 @@ void power(const Extended a[4], double n, Extended out[4]) {
     n = -n;
   }
   Extended result[4] = {1, 0, 0, 0};
-  for (; n >= 1.0; n = std::floor(n / 2.0)) {
+  while (n >= 1.0) {
     if (std::fmod(n, 2.0) == 1.0) multiply(result, base, result);
     multiply(base, base, base);
+    n = std::floor(n / 2.0);
   }
   std::copy_n(result, 4, out);
 }
