@@ -8,6 +8,7 @@
 #include "polhode/read/body.hpp"
 #include "polhode/read/mesh_file.hpp"
 #include "polhode/read/quantity.hpp"
+#include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/toml_table.hpp"
 
@@ -102,6 +103,16 @@ Torque read_torque(const TomlTable& table, const Body& body, const std::filesyst
 }
 
 }  // namespace
+
+bool is_scene_file(const std::string& path) {
+  const std::string content = read_text_file(path);
+  for (std::string_view rest = content; !rest.empty();) {
+    const std::string_view line = trimmed(take_line(rest));
+    if (line.starts_with('[')) return false;
+    if (line.starts_with("accuracy")) return trimmed(line.substr(8)).starts_with('=');
+  }
+  return false;
+}
 
 Scene read_scene(const std::string& path) {
   const TomlTable root = TomlTable::parse(read_text_file(path), path);

@@ -20,6 +20,9 @@ struct Scene {
   std::optional<double> period_uncertainty;  ///< as a part of the period
 };
 
+/// Whether the content, TOML with a line `accuracy = …` before its first table, is a scene and not a body.
+bool is_scene_file(const std::string& path);
+
 /// Throws InputError with file and line, FileError if the file or one that it names cannot be read.
 Scene read_scene(const std::string& path);
 
