@@ -41,6 +41,7 @@ std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> tim
   const auto iteration = owned(SUNNonlinSol_FixedPoint(vector.get(), 0, context.get()), SUNNonlinSolFree);
   void* const cvode = memory.get();
   std::size_t done = 0;
+  long evaluations = 0;
   if (CVodeInit(cvode, derivative, 0.0, vector.get()) == CV_SUCCESS &&
       CVodeSStolerances(cvode, problem.tolerance, problem.tolerance) == CV_SUCCESS &&
       CVodeSetUserData(cvode, &f) == CV_SUCCESS && CVodeSetNonlinearSolver(cvode, iteration.get()) == CV_SUCCESS &&
@@ -50,12 +51,13 @@ std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> tim
     for (; done < times.size(); ++done) {
       double t = 0.0;
       if (times[done] != 0.0 && CVode(cvode, times[done], vector.get(), &t, CV_NORMAL) < 0) break;
+      CVodeGetNumRhsEvals(cvode, &evaluations);
+      if (evaluations > problem.max_evaluations) break;
       out[done] = unpack(y);
       if (!is_finite(out[done])) break;
     }
   }
   no_answer(out, done, times.size());
-  long evaluations = 0;
   CVodeGetNumRhsEvals(cvode, &evaluations);
   return evaluations;
 }

@@ -33,13 +33,14 @@ std::int64_t run_fixed_step(const Problem& problem, std::span<const double> time
       if (scheme) evaluations += scheme->evaluations;
       scheme.emplace(problem.body, y, step);
     }
+    // A step takes one evaluation at least: this is known beforehand, the rest below.
     if (!(steps + static_cast<double>(evaluations + scheme->evaluations) <=
           static_cast<double>(problem.max_evaluations))) {
       no_answer(out, i, times.size());
-      break;
+      return std::numeric_limits<std::int64_t>::max();
     }
     scheme->advance(y, static_cast<std::int64_t>(steps));
-    if (!is_finite(y)) {
+    if (!is_finite(y) || evaluations + scheme->evaluations > problem.max_evaluations) {
       no_answer(out, i, times.size());
       break;
     }

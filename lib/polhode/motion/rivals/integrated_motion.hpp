@@ -19,7 +19,8 @@ struct Problem {
 };
 
 /// Advances from time 0 through `times`, which move away from 0 in one direction; fills as many states, with NaN from
-/// where the method cannot go on. Returns the number of evaluations of the right-hand side or of an exact part.
+/// where the method cannot go on. Returns the number of evaluations of the right-hand side or of an exact part; more
+/// than permitted means that the span was too long.
 using Run = std::int64_t (*)(const Problem& problem, std::span<const double> times, State<double>* out);
 
 /// A motion that an integrator answers: at() integrates from t = 0, batch() passes once through the sorted times.
@@ -30,7 +31,7 @@ class IntegratedMotion final : public FreeMotion {
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override { integrate(times, out); }
 
-  /// batch(), and the number of evaluations that it took.
+  /// batch(), and the number of evaluations that it took; more than permitted where it gave up for that.
   std::int64_t integrate(const TimeArrays& times, const StateArrays& out) const;
 
  private:
