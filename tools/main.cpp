@@ -18,13 +18,13 @@ int run(int argc, char** argv) {
   app.name("polhode");
   app.require_subcommand(1);
   polhode::tools::add_compare(app);
+  polhode::tools::add_chart(app);
   polhode::tools::add_eval(app);
   polhode::tools::add_info(app);
   polhode::tools::add_convert_time(app);
   polhode::tools::add_convert_frame(app);
   polhode::tools::add_methods(app);
   polhode::tools::add_bench(app);
-  polhode::tools::add_plan(app);
   polhode::tools::add_propagate(app);
   try {
     app.parse(argc, argv);

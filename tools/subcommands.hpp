@@ -15,12 +15,12 @@ class CheckFailed : public std::runtime_error {
 // FileError (3) or CheckFailed (1).
 void add_bench(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_chart(CLI::App& app);
 void add_eval(CLI::App& app);
 void add_info(CLI::App& app);
 void add_convert_time(CLI::App& app);
 void add_convert_frame(CLI::App& app);
 void add_methods(CLI::App& app);
-void add_plan(CLI::App& app);
 void add_propagate(CLI::App& app);
 
 }  // namespace polhode::tools

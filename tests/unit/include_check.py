@@ -17,6 +17,7 @@ UPWARDS = ["base", "elliptic", "time", "frames", "body", "torque", "motion"]
 BODY_AND_BELOW = UPWARDS[: UPWARDS.index("body") + 1]
 # What each folder may include: whole folders, or single headers with plain structs.
 ALLOWED = {folder: UPWARDS[: i + 1] for i, folder in enumerate(UPWARDS)} | {
+    "survey": UPWARDS + ["survey"],
     "ephemeris": BODY_AND_BELOW + ["ephemeris"],
     "read": BODY_AND_BELOW + ["torque", "ephemeris", "read", "motion/motion.hpp"],
     "write": BODY_AND_BELOW + ["ephemeris", "write"],

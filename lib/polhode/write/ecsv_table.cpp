@@ -1,0 +1,60 @@
+#include "polhode/write/ecsv_table.hpp"
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+#include "polhode/write/output_file.hpp"
+
+namespace polhode {
+
+namespace {
+
+/// A double-quoted YAML scalar.
+std::string yaml(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  out += '"';
+  return out;
+}
+
+std::string csv(const std::string& text) {
+  if (!text.empty() && text.find_first_of(",\"\n ") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"') out += '"';
+    out += c;
+  }
+  out += '"';
+  return out;
+}
+
+}  // namespace
+
+void write_ecsv_table(const std::string& path, const std::vector<std::string>& comments,
+                      const std::vector<EcsvColumn>& columns, const std::vector<std::vector<std::string>>& rows) {
+  std::string text = "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n";
+  for (const EcsvColumn& c : columns) {
+    fmt::format_to(std::back_inserter(text), "# - {{name: {}, {}datatype: {}, description: {}}}\n", c.name,
+                   c.unit.empty() ? "" : fmt::format("unit: {}, ", c.unit), c.datatype, yaml(c.description));
+  }
+  if (!comments.empty()) text += "# meta:\n#   comments:\n";
+  for (const std::string& c : comments) fmt::format_to(std::back_inserter(text), "#   - {}\n", yaml(c));
+  text += "# schema: astropy-2.0\n";
+  std::vector<std::string> names;
+  for (const EcsvColumn& c : columns) names.push_back(c.name);
+  fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(names, ","));
+  for (const std::vector<std::string>& row : rows) {
+    std::vector<std::string> fields;
+    for (const std::string& field : row) fields.push_back(csv(field));
+    fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(fields, ","));
+  }
+  OutputBytes file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace polhode

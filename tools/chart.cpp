@@ -1,0 +1,184 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/motion/free_body.hpp"
+#include "polhode/read/body.hpp"
+#include "polhode/read/case_file.hpp"
+#include "polhode/read/quantity.hpp"
+#include "polhode/survey/speed_accuracy.hpp"
+#include "polhode/survey/stability.hpp"
+#include "polhode/write/document.hpp"
+#include "polhode/write/ecsv_table.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+namespace {
+
+struct ChartOptions {
+  std::string folder;
+  double size = 1.0;
+  std::vector<std::string> bodies;
+};
+
+constexpr double kTurnsByDefault = 1000.0;
+
+/// FILE or FILE@SPAN.
+survey::Subject read_subject(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  const std::string file = text.substr(0, at);
+  survey::Subject subject;
+  subject.name = std::filesystem::path(file).stem().string();
+  subject.body = file.ends_with(".case") ? read_case_file(file).body : free_body(read_body(file));
+  if (subject.body.momentum_body.isZero(0.0)) throw InputError(file + ": the body is at rest, nothing to chart");
+  subject.span_s = at == std::string::npos ? kTurnsByDefault * survey::turn_s(subject.body)
+                                           : parse_duration(std::string_view(text).substr(at + 1)).high;
+  if (!(subject.span_s > 0.0)) throw InputError(text + ": the span after @ must be positive");
+  return subject;
+}
+
+void tell(std::string_view what) {
+  if (isatty(STDERR_FILENO) != 0) {
+    std::fprintf(stderr, "\r\033[K%.*s", static_cast<int>(what.size()), what.data());
+    std::fflush(stderr);
+  }
+}
+
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw FileError(fmt::format("{}: cannot make the folder: {}", folder, error.message()));
+}
+
+std::string machine() {
+  std::string model = "unknown processor";
+  if (std::FILE* file = std::fopen("/proc/cpuinfo", "r")) {
+    char line[256];
+    while (std::fgets(line, sizeof line, file) != nullptr) {
+      const std::string_view view(line);
+      if (!view.starts_with("model name")) continue;
+      model = view.substr(view.find(':') + 2);
+      model.erase(model.find_last_not_of(" \n") + 1);
+      break;
+    }
+    std::fclose(file);
+  }
+  return model;
+}
+
+std::string compiler() {
+#if defined(__clang__)
+  return "clang " __clang_version__;
+#else
+  return "gcc " __VERSION__;
+#endif
+}
+
+std::vector<std::string> provenance(const std::string& what) {
+  return {what, fmt::format("{}, {}", creator(), creation_date()), fmt::format("{}; {}", machine(), compiler())};
+}
+
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+void say_how_to_plot(const std::string& table) {
+  std::fprintf(stderr, "polhode: wrote %s; draw it with tools/plot_chart.py %s\n", table.c_str(), table.c_str());
+}
+
+void chart_speed_accuracy(const ChartOptions& options) {
+  constexpr int kInstants = 1000;
+  constexpr double kEvaluations = 3e6, kEvaluationsPerTurn = 600.0;
+  std::vector<survey::Subject> subjects;
+  for (const std::string& text : options.bodies) subjects.push_back(read_subject(text));
+  make_folder(options.folder);
+  std::vector<std::vector<std::string>> rows;
+  for (const survey::Subject& subject : subjects) {
+    const int instants = std::max(10, static_cast<int>(kInstants * std::min(1.0, options.size)));
+    const double most = std::max(kEvaluations, kEvaluationsPerTurn * subject.span_s / survey::turn_s(subject.body));
+    const auto told = [&](std::string_view method) { tell(fmt::format("{}: {}", subject.name, method)); };
+    for (const survey::SpeedAccuracyRow& r : survey::speed_accuracy(subject, instants, most * options.size, told)) {
+      rows.push_back({subject.name, number(subject.span_s), number(subject.span_s / survey::turn_s(subject.body)),
+                      std::string(r.method), fmt::format("{}", r.instants), number(r.step_s), number(r.tolerance),
+                      number(r.errors.attitude_rad), number(r.errors.momentum), number(r.errors.energy),
+                      number(r.errors.orthogonality), number(r.evaluations_per_instant), number(r.ns_per_instant)});
+    }
+  }
+  tell("");
+  const std::string path = options.folder + "/speed-accuracy.ecsv";
+  write_ecsv_table(path, provenance("speed against accuracy of every method of `polhode methods`"),
+                   {{"body", "", "string", "file's name"},
+                    {"span", "s", "float64", "length of the span"},
+                    {"turns", "", "float64", "span / (2 pi / initial rate)"},
+                    {"method", "", "string", "name"},
+                    {"instants", "", "int64", "answered evenly over the span; 1 is its end alone"},
+                    {"step", "s", "float64", "of a fixed-step method, else 0"},
+                    {"tolerance", "", "float64", "of an adaptive method, else 0"},
+                    {"attitude_error", "rad", "float64", "greatest angle to the reference"},
+                    {"momentum_error", "", "float64", "greatest |m - m_true| / |m|"},
+                    {"energy_error", "", "float64", "greatest relative error"},
+                    {"orthogonality_error", "", "float64", "greatest | |q| - 1 |"},
+                    {"evaluations", "", "float64", "per instant: right-hand sides, turns or exact solutions"},
+                    {"time", "ns", "float64", "per instant, construction included, one thread"}},
+                   rows);
+  say_how_to_plot(path);
+}
+
+void chart_stability(const ChartOptions& options) {
+  constexpr double kEvaluations = 3e5;
+  make_folder(options.folder);
+  std::vector<std::vector<std::string>> rows;
+  for (const survey::StabilityRow& r :
+       survey::stability(options.size, kEvaluations * std::max(1.0, options.size), tell)) {
+    rows.push_back({std::string(r.map), number(r.x), number(r.y), std::string(r.method), std::string(r.outcome),
+                    number(r.error), number(r.kappa), number(r.digits_lost)});
+  }
+  tell("");
+  std::vector<std::string> comments = provenance("error of every method of `polhode methods` where methods fail");
+  for (const survey::StabilityMap& m : survey::stability_maps()) {
+    comments.push_back(fmt::format("{}: {}; x: {}; y: {}", m.name, m.title, m.x_label, m.y_label));
+  }
+  const std::string path = options.folder + "/stability.ecsv";
+  write_ecsv_table(path, comments,
+                   {{"map", "", "string", "name"},
+                    {"x", "", "float64", "exponent of ten, see comments"},
+                    {"y", "", "float64", "exponent of ten or index, see comments"},
+                    {"method", "", "string", "name"},
+                    {"outcome", "", "string", "answered, failed, too long or undetermined (eps kappa > 1)"},
+                    {"error", "", "float64", "greatest of attitude angle in radians and relative momentum"},
+                    {"kappa", "", "float64", "greatest condition number of an instant"},
+                    {"digits_lost", "", "float64", "log10 of error / (eps max(1, kappa))"}},
+                   rows);
+  say_how_to_plot(path);
+}
+
+}  // namespace
+
+void add_chart(CLI::App& app) {
+  auto options = std::make_shared<ChartOptions>();
+  CLI::App* command = app.add_subcommand("chart", "Measure every method: speed against accuracy, and stability");
+  command->require_subcommand(1);
+  const auto common = [&](CLI::App* kind) {
+    kind->add_option("-o,--output", options->folder, "Folder for the table")->required();
+    kind->add_option("--size", options->size, "1 takes minutes; more is finer and longer, less is quicker")
+        ->check(CLI::Range(0.01, 100.0))
+        ->capture_default_str();
+  };
+  CLI::App* speed = command->add_subcommand("speed-accuracy", "Error against cost, on bodies of your choice");
+  common(speed);
+  speed
+      ->add_option("BODY", options->bodies,
+                   "Body or case file, with @SPAN if other than a thousand turns: toutatis.toml@7305d")
+      ->required();
+  speed->callback([options] { chart_speed_accuracy(*options); });
+  CLI::App* stability = command->add_subcommand("stability", "Error on maps of the places where methods fail");
+  common(stability);
+  stability->callback([options] { chart_stability(*options); });
+}
+
+}  // namespace polhode::tools
