@@ -1,0 +1,84 @@
+"""`polhode chart` and its plots, at tiny sizes: tables that astropy reads, and figures that hold something."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from astropy.table import Table
+
+ROOT = Path(__file__).resolve().parent.parent
+POLHODE = os.environ.get("POLHODE", str(ROOT / "build/bin/polhode"))
+
+
+def chart(folder, *arguments):
+    subprocess.run([POLHODE, "chart", *arguments, "-o", str(folder)], check=True, capture_output=True, timeout=300)
+
+
+def plot(table):
+    run = subprocess.run(
+        [sys.executable, str(ROOT / "tools/plot_chart.py"), str(table)],
+        check=True, capture_output=True, text=True, timeout=300,
+    )
+    return run.stdout
+
+
+@pytest.fixture(scope="module")
+def speed(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("speed")
+    bodies = [f"{ROOT}/data/bodies/toutatis.toml@30d", f"{ROOT}/data/truth/dev/nearsphere-01.case@600"]
+    chart(folder, "speed-accuracy", *bodies, "--size", "0.01")
+    return folder / "speed-accuracy.ecsv"
+
+
+def test_speed_accuracy_table_has_units_and_every_method(speed):
+    table = Table.read(speed, format="ascii.ecsv")
+    listed = subprocess.run([POLHODE, "methods"], check=True, capture_output=True, text=True).stdout
+    names = {line for line in listed.splitlines() if line and not line.startswith(" ")}
+    assert set(table["method"]) == names
+    assert set(table["body"]) == {"toutatis", "nearsphere-01"}
+    assert str(table["attitude_error"].unit) == "rad" and str(table["time"].unit) == "ns"
+    assert table["span"][0] == 30 * 86400
+    assert np.all(np.isfinite(table["attitude_error"]))
+    theta = table[table["method"] == "theta"]
+    assert np.all(theta["attitude_error"] < 1e-14)
+
+
+def test_speed_accuracy_figures(speed):
+    output = plot(speed)
+    for name in ("speed-accuracy", "speed-accuracy-last", "speed-accuracy-evaluations", "speed-accuracy-main"):
+        for ending in ("png", "svg"):
+            assert (speed.parent / f"{name}.{ending}").stat().st_size > 10_000
+    assert "| toutatis |" in output  # the table of how much faster theta is
+
+
+def test_stability_table_and_figures(tmp_path):
+    chart(tmp_path, "stability", "--size", "0.02")
+    table = Table.read(tmp_path / "stability.ecsv", format="ascii.ecsv")
+    assert set(table["outcome"]) <= {"answered", "failed", "too long", "undetermined"}
+    theta = table[table["method"] == "theta"]
+    assert set(theta["outcome"]) <= {"answered", "undetermined"}
+    plot(tmp_path / "stability.ecsv")
+    for name in set(table["map"]):
+        assert (tmp_path / f"stability-{name}.png").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["speed-accuracy"],  # no body
+        ["speed-accuracy", "no-such-file.toml"],
+        ["speed-accuracy", f"{ROOT}/data/bodies/toutatis.toml@-5d"],
+        ["speed-accuracy", f"{ROOT}/data/bodies/toutatis.toml@soon"],
+        ["speed-accuracy", f"{ROOT}/data/truth/dev/rest-01.case"],
+        ["stability", "--size", "-1"],
+        ["nonsense"],
+    ],
+)
+def test_bad_arguments_are_refused(tmp_path, arguments):
+    run = subprocess.run([POLHODE, "chart", *arguments, "-o", str(tmp_path / "out")], capture_output=True, text=True)
+    assert run.returncode in (2, 3)
+    assert run.stderr.strip()
+    assert not list(tmp_path.glob("out/*.ecsv"))

@@ -1,0 +1,374 @@
+#!/usr/bin/env python3
+"""Draw the tables of `polhode chart`: tools/plot_chart.py TABLE [-o DIR]
+
+A speed-accuracy table gives figures of all its bodies, by time and by evaluations, and one of its first body alone; a
+stability table gives a figure per map. All are written as SVG and PNG beside the table, or to DIR.
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+import matplotlib
+
+matplotlib.use("Agg")
+import matplotlib.patheffects as effects
+import matplotlib.pyplot as plt
+import numpy as np
+from astropy.table import Table
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.patches import Patch, Rectangle
+from matplotlib.ticker import LogLocator, NullFormatter
+
+INK = "#1b1f24"
+FAINT = "#8a9199"
+FRONT = "#f2c14e"
+INTEGRATORS = "#e3e6ea"
+
+# Families by hue, luminance and dash, so that grey print still tells them apart; every curve also has its name.
+STYLES = {
+    "exact": dict(color="#111418", linestyle="-", marker="*", markersize=11),
+    "splitting": dict(color="#0b5fa5", linestyle="-", marker="o", markersize=3.6),
+    "moser-veselov": dict(color="#c2452d", linestyle="-", marker="s", markersize=3.4),
+    "lie group": dict(color="#5f8f1f", linestyle=(0, (5, 1.5)), marker="^", markersize=4),
+    "adaptive": dict(color="#7a4bb0", linestyle=(0, (3, 1, 1, 1)), marker="D", markersize=3),
+    "quaternion": dict(color="#7f8790", linestyle=(0, (1.2, 1.2)), marker="v", markersize=3.8),
+}
+FAMILIES = {
+    "splitting": ["three-rotations", "top-rotation", "top-rotation-4", "top-rotation-6", "top-rotation-8"],
+    "moser-veselov": ["dmv", "dmv-6", "dmv-10", "implicit-midpoint"],
+    "lie group": ["rkmk-4", "commutator-free-4"],
+    "adaptive": ["taylor", "bulirsch-stoer", "fehlberg-78", "dormand-prince-5", "cvode-adams"],
+    "quaternion": ["rk4", "rk4-renormalised", "quaternion-1"],
+}
+
+
+def family(method):
+    return next((name for name, methods in FAMILIES.items() if method in methods), "exact")
+
+
+def power(exponent):
+    """10 to the exponent, in mathematics; 1 and 10 as they are."""
+    if exponent in (0, 1):
+        return f"${10 ** int(exponent)}$"
+    return f"$10^{{{exponent:g}}}$"
+
+
+def save(figure, folder, name):
+    for ending in ("svg", "png"):
+        path = folder / f"{name}.{ending}"
+        figure.savefig(path, dpi=170, facecolor="white")
+        print(path)
+    plt.close(figure)
+
+
+# --- Speed against accuracy -------------------------------------------------------------------------------------------
+
+
+def improving(error, cost):
+    """Indices of the points that are more accurate than every cheaper one, from cheap to dear."""
+    order = np.lexsort((error, cost))
+    best, kept = np.inf, []
+    for i in order:
+        if error[i] < 0.8 * best:
+            kept.append(i)
+            best = error[i]
+    return np.array(kept, dtype=int)
+
+
+def curves(table):
+    """Each method's errors and costs, only where more cost bought more accuracy."""
+    for method in dict.fromkeys(table["method"]):
+        rows = table[table["method"] == method]
+        yield method, np.maximum(np.asarray(rows["attitude_error"]), 1e-17), rows
+
+
+def place_labels(axes, labels, gap):
+    """Names at the accurate ends of their curves, moved up or down until none covers another. `labels`: (x, y, text,
+    colour); `gap` in decades of y."""
+    placed = []
+    span = 0.33 * gap * 6.2  # decades of x that one character takes, about
+    for x, y, text, color in sorted(labels, key=lambda label: label[1]):
+        width = span * len(text) * 0.42
+        start = np.log10(x)
+        height = np.log10(y)
+        for _ in range(200):
+            clash = [p for p in placed if abs(p[2] - height) < gap and start - width < p[0] and p[0] - p[1] < start]
+            if not clash:
+                break
+            height = max(p[2] for p in clash) + gap * 1.001
+        placed.append((start, width, height))
+        moved = abs(height - np.log10(y)) > 0.6 * gap
+        axes.annotate(
+            text,
+            (x, y),
+            (x / 10 ** (0.3 * span * 1.6), 10**height),
+            fontsize=6.4,
+            color=color,
+            va="center",
+            ha="left",
+            arrowprops=dict(arrowstyle="-", color=color, linewidth=0.4, alpha=0.6) if moved else None,
+            path_effects=[effects.withStroke(linewidth=2, foreground="white")],
+            zorder=6,
+        )
+
+
+def draw_speed_accuracy(axes, table, cost_name, gap=0.17):
+    front_error, front_cost, labels = [], [], []
+    integrator_error, integrator_cost = [], []
+    for method, error, rows in curves(table):
+        cost = np.asarray(rows[cost_name])
+        kept = improving(error, cost)
+        style = STYLES[family(method)]
+        axes.plot(error[kept], cost[kept], linewidth=1.1, markeredgewidth=0, zorder=4, **style)
+        front_error.extend(error[kept])
+        front_cost.extend(cost[kept])
+        if family(method) != "exact":
+            integrator_error.extend(error[kept])
+            integrator_cost.extend(cost[kept])
+        if error[kept[-1]] < 1:
+            labels.append((error[kept[-1]], cost[kept[-1]], method, style["color"]))
+    front_error, front_cost = np.array(front_error), np.array(front_cost)
+    front = improving(front_error, front_cost)
+    x, y = front_error[front], front_cost[front]
+    x = np.concatenate(([4.0], x))
+    y = np.concatenate(([y[0]], y))
+    axes.step(x, y, where="post", color=FRONT, linewidth=5, alpha=0.75, zorder=2, solid_capstyle="round")
+    integrators = improving(np.array(integrator_error), np.array(integrator_cost))
+    axes.plot(
+        np.array(integrator_error)[integrators],
+        np.array(integrator_cost)[integrators],
+        color=INTEGRATORS,
+        linewidth=5,
+        zorder=1,
+        solid_capstyle="round",
+        solid_joinstyle="round",
+    )
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlim(4, 1e-17)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high * 10 ** (4.5 * gap))
+    place_labels(axes, labels, gap)
+    axes.xaxis.set_major_locator(LogLocator(10, numticks=10))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.grid(True, which="major", color="#e5e8eb", linewidth=0.6)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+
+
+def title_of(table, body):
+    rows = table[table["body"] == body]
+    seconds, turns = rows["span"][0], rows["turns"][0]
+    for unit, length in (("years", 365.25 * 86400), ("days", 86400), ("h", 3600), ("min", 60), ("s", 1)):
+        if seconds >= 1.5 * length or unit == "s":
+            break
+    return f"{body}: {seconds / length:.3g} {unit}, {turns:,.0f} turns"
+
+
+def family_legend(figure, **where):
+    handles = [plt.Line2D([], [], linewidth=1.1, markeredgewidth=0, **style) for style in STYLES.values()]
+    handles.append(plt.Line2D([], [], color=FRONT, linewidth=5, alpha=0.75))
+    handles.append(plt.Line2D([], [], color=INTEGRATORS, linewidth=5))
+    names = [*STYLES, "Pareto front", "front of the integrators"]
+    figure.legend(handles, names, frameon=False, fontsize=8, **where)
+
+
+COSTS = {
+    "time": ("time per instant, ns", "time"),
+    "evaluations": ("evaluations per instant", "evaluations"),
+}
+
+
+def speed_accuracy(table, folder):
+    bodies = list(dict.fromkeys(table["body"]))
+    many = max(table["instants"])
+    comments = table.meta.get("comments", [])
+    note = "   ".join(comments[1:3])
+    for instants in (many, 1):
+        when = f"{many} instants over the span" if instants == many else "the last instant alone"
+        for cost_name, (cost_label, tag) in COSTS.items():
+            suffix = ("" if instants == many else "-last") + ("" if tag == "time" else f"-{tag}")
+            columns = min(3, len(bodies))
+            rows = -(-len(bodies) // columns)
+            figure, grid = plt.subplots(
+                rows, columns, figsize=(5.4 * columns, 4.9 * rows + 0.8), squeeze=False, layout="constrained"
+            )
+            figure.get_layout_engine().set(rect=(0, 0.055, 1, 0.915), w_pad=0.1, h_pad=0.12)
+            for axes, body in zip(grid.flat, bodies):
+                part = table[(table["body"] == body) & (table["instants"] == instants)]
+                draw_speed_accuracy(axes, part, cost_name, gap=0.21)
+                axes.set_title(title_of(table, body), fontsize=10, color=INK, loc="left")
+                axes.set_xlabel("greatest attitude error, rad (better to the right)", fontsize=8)
+                axes.set_ylabel(cost_label, fontsize=8)
+                axes.tick_params(labelsize=7.5)
+            for axes in grid.flat[len(bodies) :]:
+                axes.set_visible(False)
+            title = f"Free rigid body: cost against accuracy, {when}"
+            figure.suptitle(title, fontsize=13, color=INK, x=0.012, ha="left")
+            family_legend(figure, loc="lower center", ncol=8)
+            figure.text(0.012, 0.004, note, fontsize=6, color=FAINT)
+            save(figure, folder, f"speed-accuracy{suffix}")
+    figure, axes = plt.subplots(figsize=(9, 6.2), layout="constrained")
+    figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))
+    part = table[(table["body"] == bodies[0]) & (table["instants"] == many)]
+    draw_speed_accuracy(axes, part, "time", gap=0.145)
+    axes.set_title(f"{title_of(table, bodies[0])}, {many} instants", fontsize=11, color=INK, loc="left")
+    axes.set_xlabel("greatest attitude error, rad (better to the right)")
+    axes.set_ylabel("time per instant, ns")
+    family_legend(figure, loc="lower center", ncol=4)
+    figure.text(0.99, 0.985, note, fontsize=5.5, color=FAINT, ha="right", va="top")
+    save(figure, folder, "speed-accuracy-main")
+    print(accuracy_table(table, bodies, many))
+
+
+def accuracy_table(table, bodies, instants):
+    """How many times longer than theta the fastest other method, exact ones apart, takes to reach an accuracy."""
+    lines = ["| body | " + " | ".join(f"{a:g} rad" for a in (1e-3, 1e-6, 1e-9, 1e-12)) + " |", "|---|---|---|---|---|"]
+    for body in bodies:
+        part = table[(table["body"] == body) & (table["instants"] == instants)]
+        theta = part["time"][part["method"] == "theta"][0]
+        cells = []
+        for accuracy in (1e-3, 1e-6, 1e-9, 1e-12):
+            good = part[(part["attitude_error"] <= accuracy) & (part["step"] + part["tolerance"] > 0)]
+            if len(good) == 0:
+                cells.append("not reached")
+                continue
+            best = good[np.argmin(good["time"])]
+            cells.append(f"{best['time'] / theta:,.0f} ({best['method']})")
+        lines.append(f"| {body} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+# --- Stability --------------------------------------------------------------------------------------------------------
+
+# From white to near black, ever darker: it reads the same in grey.
+DIGITS = LinearSegmentedColormap.from_list("digits", ["#ffffff", "#fbe3a4", "#f0a35c", "#b4558a", "#5b3a8c", "#161a3a"])
+# Cells without a number: face, hatch and its colour, name.
+OUTCOMES = {
+    "failed": ("#e3001b", "white", "xxxx", "failed: NaN, exception, no convergence"),
+    "too long": ("#d7dade", "white", "////", "not computed: too long"),
+    "undetermined": ("#f1f3f4", "#c3c8cd", "....", "undetermined: eps kappa > 1"),
+}
+
+
+def axis_names(name, values, vertical):
+    """Tick positions (indices into values) and labels."""
+    step = max(1, -(-len(values) // 5))
+    chosen = list(range(0, len(values), step))
+    if name == "separatrix" and not vertical:
+        chosen = [i for i, v in enumerate(values) if v in (-17, -9, 0, 9, 17)]
+        return chosen, ["0" if values[i] == 0 else power(abs(values[i]) - 17) for i in chosen]
+    if name == "near-sphere" and vertical:
+        return list(range(len(values))), [power(-abs(round(v, 1))) for v in values]
+    if name == "axis" and vertical:
+        return list(range(len(values))), [f"axis {int(v) // 3 + 1}, {100 ** (int(v) % 3):,} turns" for v in values]
+    if name == "span" and vertical:
+        bodies = ["short-axis mode", "long-axis mode", "symmetric top", "needle", "near-sphere", "near separatrix"]
+        return list(range(len(values))), [bodies[int(v)] for v in values]
+    return chosen, [power(round(values[i], 1)) for i in chosen]
+
+
+def stability(table, folder):
+    described = {}
+    for comment in table.meta.get("comments", []):
+        head, _, rest = comment.partition(": ")
+        parts = rest.split("; ")
+        if len(parts) == 3 and parts[1].startswith("x: "):
+            described[head] = (parts[0], parts[1][3:], parts[2][3:])
+    methods = list(dict.fromkeys(table["method"]))
+    for name in dict.fromkeys(table["map"]):
+        part = table[table["map"] == name]
+        xs, ys = np.unique(part["x"]), np.unique(part["y"])
+        column, row = np.searchsorted(xs, part["x"]), np.searchsorted(ys, part["y"])
+        columns = 6
+        rows = -(-len(methods) // columns)
+        wide = name in ("axis", "span")
+        figure, grid = plt.subplots(
+            rows,
+            columns,
+            figsize=(15.5 if wide else 14.5, 2.2 * rows + 1.6),
+            sharex=True,
+            sharey=True,
+            squeeze=False,
+            layout="constrained",
+        )
+        figure.get_layout_engine().set(rect=(0, 0.075, 1, 0.87), w_pad=0.05, h_pad=0.06)
+        for axes, method in zip(grid.flat, methods):
+            here = part["method"] == method
+            digits = np.full((len(ys), len(xs)), np.nan)
+            answered = here & (part["outcome"] == "answered")
+            digits[row[answered], column[answered]] = part["digits_lost"][answered]
+            image = axes.pcolormesh(digits, cmap=DIGITS, vmin=0, vmax=16, rasterized=True)
+            for outcome, (colour, edge, hatch, _) in OUTCOMES.items():
+                for i in np.flatnonzero(here & (part["outcome"] == outcome)):
+                    axes.add_patch(
+                        Rectangle(
+                            (column[i], row[i]),
+                            1,
+                            1,
+                            facecolor=colour,
+                            edgecolor=edge,
+                            hatch=hatch,
+                            linewidth=0,
+                        )
+                    )
+            axes.set_xlim(0, len(xs))
+            axes.set_ylim(0, len(ys))
+            weight = "bold" if method == "theta" else "normal"
+            axes.set_title(method, fontsize=9, color=INK, loc="left", pad=3, fontweight=weight)
+            positions, names = axis_names(name, xs, vertical=False)
+            axes.set_xticks([p + 0.5 for p in positions], names, fontsize=6.5)
+            positions, names = axis_names(name, ys, vertical=True)
+            axes.set_yticks([p + 0.5 for p in positions], names, fontsize=6.5)
+            axes.tick_params(length=2, width=0.5)
+            for side in axes.spines.values():
+                side.set_linewidth(0.6)
+                side.set_color(FAINT)
+        for axes in list(grid.flat)[len(methods) :]:
+            axes.set_visible(False)
+        for k in range(len(methods) - columns, len(methods)):
+            if k >= 0:
+                grid.flat[k].tick_params(labelbottom=True)
+        title, x_label, y_label = described.get(name, (name, "x", "y"))
+        title = f"{title}: digits lost beyond what the problem costs"
+        figure.suptitle(title, fontsize=13, color=INK, x=0.012, ha="left")
+        figure.supxlabel(x_label, fontsize=9, y=0.05)
+        figure.supylabel(y_label, fontsize=9)
+        bar = figure.add_axes((0.60, 0.945, 0.25, 0.018))
+        figure.colorbar(image, cax=bar, orientation="horizontal", extend="both")
+        bar.set_title("log10 of error / (eps max(1, kappa))", fontsize=7.5, pad=3)
+        bar.tick_params(labelsize=7)
+        figure.legend(
+            handles=[
+                Patch(facecolor=colour, edgecolor=edge, hatch=hatch, linewidth=0, label=label)
+                for colour, edge, hatch, label in OUTCOMES.values()
+            ],
+            loc="lower center",
+            ncol=3,
+            frameon=False,
+            fontsize=8,
+        )
+        save(figure, folder, f"stability-{name}")
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("table", type=Path)
+    parser.add_argument("-o", "--output", type=Path)
+    arguments = parser.parse_args()
+    folder = arguments.output or arguments.table.parent
+    folder.mkdir(parents=True, exist_ok=True)
+    plt.rcParams.update({"font.family": "DejaVu Sans", "hatch.linewidth": 0.6, "svg.hashsalt": "polhode"})
+    table = Table.read(arguments.table, format="ascii.ecsv")
+    if "outcome" in table.colnames:
+        stability(table, folder)
+    elif "attitude_error" in table.colnames:
+        speed_accuracy(table, folder)
+    else:
+        sys.exit(f"{arguments.table}: neither a speed-accuracy nor a stability table")
+
+
+if __name__ == "__main__":
+    main()
