@@ -25,6 +25,7 @@ int run(int argc, char** argv) {
   polhode::tools::add_convert_frame(app);
   polhode::tools::add_methods(app);
   polhode::tools::add_bench(app);
+  polhode::tools::add_plan(app);
   polhode::tools::add_propagate(app);
   try {
     app.parse(argc, argv);

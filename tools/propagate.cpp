@@ -19,8 +19,10 @@
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
+#include "polhode/motion/planner.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
+#include "polhode/read/scene_file.hpp"
 #include "polhode/read/time_list.hpp"
 #include "polhode/write/aem.hpp"
 #include "polhode/write/fits.hpp"
@@ -46,6 +48,8 @@ struct PropagateOptions {
   std::string attitude_type = "QUATERNION/ANGVEL";
   std::string euler_sequence = "ZXZ";
   bool momentum = false;
+  bool full = false;  // of a scene
+  bool frame_given = false;
 };
 
 enum class Format { fits, aem_kvn, aem_xml, csv, ecsv };
@@ -212,15 +216,46 @@ void write(const PropagateOptions& options, Format format, const std::vector<Eph
   }
 }
 
-void propagate(const PropagateOptions& options) {
+/// What the command line leaves open, from the scene.
+void complete(PropagateOptions& options, const Scene& scene) {
+  if (options.frame_given && frame(options.frame) != scene.frame) {
+    throw InputError(fmt::format("--frame is {}, the scene is in another frame; leave --frame away", options.frame));
+  }
+  if (options.method != "auto") throw InputError("--method is for body files: a scene's method comes from its plan");
+  if (!options.times.empty()) return;
+  if (options.starts.empty() && options.stops.empty()) {
+    if (scene.first_s != 0.0) {
+      options.starts = {
+          fmt::format("{} TDB", format_date(scene.body.state->epoch + Seconds{scene.first_s, 0.0}, TimeScale::tdb, 9))};
+    }
+    options.stops = {fmt::format("+{} s", scene.last_s - scene.first_s)};
+  }
+  if (options.step.empty() && options.count == 0 && options.tolerance.empty()) {
+    options.tolerance = fmt::format("{} rad", scene.accuracy_rad);
+  }
+}
+
+void propagate(PropagateOptions options) {
   const Format format = format_of(options.output);
-  const Body body = read_body(options.body_file);
+  std::optional<Scene> scene;
+  if (is_scene_file(options.body_file)) {
+    scene = read_scene(options.body_file);
+    complete(options, *scene);
+  }
+  const Body body = scene ? scene->body : read_body(options.body_file);
   for (const std::string& warning : body.warnings) fmt::print(stderr, "polhode: {}\n", warning);
-  const Frame out_frame = frame(options.frame);
+  const Frame out_frame = scene ? scene->frame : frame(options.frame);
   const TimeScale scale = time_scale(options.scale);
   const FreeBody free = free_body(body, out_frame);
   const Method& chosen = method(options.method);
-  const std::shared_ptr<const FreeMotion> motion = chosen.make(free);
+  std::shared_ptr<const FreeMotion> motion;
+  std::optional<Plan> plan;
+  if (scene) {  // half the accuracy for the rows, half for what stands between them
+    plan = plan_motion(free, scene->torques, scene->first_s, scene->last_s, 0.5 * scene->accuracy_rad, options.full);
+    motion = planned_motion(*plan, free, scene->first_s, scene->last_s);
+  } else {
+    motion = chosen.make(free);
+  }
   const auto states = [motion](std::span<const double> high, std::span<const double> low, double* q, double* m) {
     motion->batch({high, low}, StateArrays::of_structures(q, m));
   };
@@ -236,10 +271,11 @@ void propagate(const PropagateOptions& options) {
     EphemerisDescription description;
     description.object = body.name;
     description.source = body.source;
-    description.method = chosen.name;
+    description.method = plan ? plan->model : std::string(chosen.name);
     const Seconds first = grid.instant(grid.time(0, {})) - body.state->epoch;
     const Seconds last = grid.instant(grid.time(grid.size() - 1, {})) - body.state->epoch;
-    description.promised_error_rad = free_motion_error_rad(chosen.make, free, first.high, last.high);
+    description.promised_error_rad =
+        plan ? plan->error_rad : free_motion_error_rad(chosen.make, free, first.high, last.high);
     if (!options.tolerance.empty()) {
       description.tolerance_rad = parse_angle_rad(options.tolerance);
       description.interpolation = interpolation.text;
@@ -268,8 +304,8 @@ void propagate(const PropagateOptions& options) {
 
 void add_propagate(CLI::App& app) {
   const auto options = std::make_shared<PropagateOptions>();
-  CLI::App* command = app.add_subcommand("propagate", "A body file to an attitude ephemeris");
-  command->add_option("FILE", options->body_file, "Body file")->required();
+  CLI::App* command = app.add_subcommand("propagate", "A body or scene file to an attitude ephemeris");
+  command->add_option("FILE", options->body_file, "Body file, or scene file")->required();
   command->add_option("-o,--output", options->output, "Output; .fits, .fits.gz, .aem, .txt, .xml, .csv, .ecsv")
       ->required();
   command
@@ -295,7 +331,11 @@ void add_propagate(CLI::App& app) {
   command->add_option("--attitude-type", options->attitude_type, "ATTITUDE_TYPE of an AEM")->capture_default_str();
   command->add_option("--euler-sequence", options->euler_sequence, "Axes of an AEM's Euler angles")
       ->capture_default_str();
-  command->callback([options] { propagate(*options); });
+  command->add_flag("--full", options->full, "Of a scene: keep every effect, at 1e-9 rad");
+  command->callback([options, command] {
+    options->frame_given = command->get_option("--frame")->count() > 0;
+    propagate(*options);
+  });
 }
 
 }  // namespace polhode::tools

@@ -21,6 +21,7 @@ void add_info(CLI::App& app);
 void add_convert_time(CLI::App& app);
 void add_convert_frame(CLI::App& app);
 void add_methods(CLI::App& app);
+void add_plan(CLI::App& app);
 void add_propagate(CLI::App& app);
 
 }  // namespace polhode::tools

@@ -15,6 +15,7 @@ constexpr std::string_view kExtrapolation = "extrapolation";
 constexpr std::string_view kAuto = "auto";
 constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel and the error estimate are made for
 constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
+constexpr int kMostRefinements = 8;
 constexpr double kFewestKicksPerRadian = 10.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 
@@ -266,15 +267,15 @@ TorquedMotion::TorquedMotion(const FreeBody& body, Torques torques, const Torque
                     std::max(builder.rounding_rad(forward), builder.rounding_rad(backward)) > options.tolerance_rad;
     error_rad_ = std::numeric_limits<double>::infinity();
     outcome_ = Outcome::tolerance_not_reachable;
-    for (int refinement = 0; whole && !hopeless && refinement < 5; ++refinement) {
+    for (int refinement = 0; whole && !hopeless && refinement < kMostRefinements; ++refinement) {
       Path finer_forward, finer_backward;
       const std::size_t before = builder.evaluations();
       whole = builder.halve(forward, finer_forward) && builder.halve(backward, finer_backward);
       if (!whole) break;
       const double difference =
           std::max(Builder::difference_rad(forward, finer_forward), Builder::difference_rad(backward, finer_backward));
-      // Halving gains a factor of 16 at the least until rounding shows.
-      hopeless = !(difference < 0.5 * error_rad_);
+      // Halving gains a factor of 16 at the least, from where the runs are near each other until rounding shows.
+      hopeless = difference < 0.1 && !(difference < 0.5 * error_rad_);
       error_rad_ = std::min(error_rad_, difference);
       forward = std::move(finer_forward), backward = std::move(finer_backward);
       if (difference <= options.tolerance_rad / kSafety) {
@@ -304,7 +305,8 @@ std::size_t TorquedMotion::steps() const {
 }
 
 FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
-  if (!(t_high_s >= first_s_ && t_high_s <= last_s_)) {
+  const double room_s = 1e-12 * (last_s_ - first_s_);  // a last row that was rounded up
+  if (!(t_high_s >= first_s_ - room_s && t_high_s <= last_s_ + room_s)) {
     throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_,
                                  last_s_, t_high_s));
   }

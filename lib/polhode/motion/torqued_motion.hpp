@@ -27,7 +27,7 @@ struct TorquedOptions {
   /// extrapolation in long double; or one of splitting_schemes() by name; or "extrapolation".
   std::string_view method = "auto";
   /// Of all runs together.
-  std::size_t max_torque_evaluations = 400'000'000;
+  std::size_t max_torque_evaluations = 100'000'000;
 };
 
 /// The motion of a rigid body under torques, from t = 0 both ways, computed once and answered at any time.

@@ -44,4 +44,12 @@ Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
   return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
 }
 
+double Sunlight::largest_torque(double t_s) const {
+  double sum = 0.0;
+  for (const Facet& facet : *facets_) sum += facet.area_m2.norm() * facet.centre_m.norm();
+  const double r2 = trajectory_.state(t_s).position_m.squaredNorm();
+  // The push of a facet is at most twice that of the light on it.
+  return 2.0 * kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
+}
+
 }  // namespace polhode

@@ -36,6 +36,9 @@ class Sunlight {
   /// N m, in body axes; `to_sun_body_m` is the vector from the body to the Sun.
   Vector3 torque(const Vector3& to_sun_body_m) const;
 
+  /// N m: no attitude feels more at time t.
+  double largest_torque(double t_s) const;
+
  private:
   struct Facet {
     Vector3 area_m2, centre_m;  // area times normal

@@ -1,0 +1,159 @@
+#include "polhode/read/scene_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "polhode/base/error.hpp"
+#include "polhode/read/body.hpp"
+#include "polhode/read/mesh_file.hpp"
+#include "polhode/read/quantity.hpp"
+#include "polhode/read/text.hpp"
+#include "polhode/read/text_file.hpp"
+#include "polhode/read/toml_table.hpp"
+
+namespace polhode {
+namespace {
+
+KeplerElements read_orbit(const TomlTable& table) {
+  const TomlTable orbit = table.table("orbit");
+  orbit.allow_only({"mu_m3_s2", "periapsis_m", "eccentricity", "periapsis_after_epoch_s", "to_periapsis", "normal"});
+  const KeplerElements elements{orbit.number("mu_m3_s2"),      orbit.number("periapsis_m"),
+                                orbit.number("eccentricity"),  orbit.number("periapsis_after_epoch_s"),
+                                orbit.vector3("to_periapsis"), orbit.vector3("normal")};
+  orbit.located("mu_m3_s2", [&] { return KeplerOrbit(elements); });  // refuses what is no orbit
+  return elements;
+}
+
+/// Torques in N m mean nothing to a body whose moments are ratios.
+void need_absolute(const TomlTable& table, const Inertia& inertia) {
+  if (!inertia.absolute) {
+    throw table.error("kind", fmt::format("a torque of kind '{}' needs moments in kg m2, the body has ratios only",
+                                          table.text("kind")));
+  }
+}
+
+Torque read_torque(const TomlTable& table, const Body& body, const std::filesystem::path& folder) {
+  const Inertia& inertia = *body.inertia;
+  const Matrix3 principal_from_named = inertia.named_from_principal.transpose();
+  const std::string kind = table.text("kind");
+  if (kind == "gravity gradient") {
+    table.allow_only({"kind", "orbit"});
+    const KeplerElements orbit = read_orbit(table);
+    return GravityGradient(orbit.mu_m3_s2, orbit);
+  }
+  if (kind == "constant") {
+    table.allow_only({"kind", "torque_n_m", "axes"});
+    need_absolute(table, inertia);
+    const std::string axes = table.text("axes");
+    if (axes == "frame") return ConstantTorque{table.vector3("torque_n_m"), ConstantTorque::Axes::inertial};
+    if (axes != "body") throw table.error("axes", fmt::format("found '{}'; allowed: 'body' or 'frame'", axes));
+    return ConstantTorque{principal_from_named * table.vector3("torque_n_m"), ConstantTorque::Axes::body};
+  }
+  if (kind == "thruster pulse") {
+    table.allow_only({"kind", "torque_n_m", "start_s", "duration_s"});
+    need_absolute(table, inertia);
+    const double duration_s = table.number("duration_s");
+    if (!(duration_s > 0.0))
+      throw table.error("duration_s", fmt::format("found {}, a positive number is wanted", duration_s));
+    return ThrusterPulse{table.number("start_s"), duration_s, principal_from_named * table.vector3("torque_n_m")};
+  }
+  if (kind == "linear damping") {
+    table.allow_only({"kind", "coefficient_n_m_s"});
+    need_absolute(table, inertia);
+    return LinearDamping{Vector3::Constant(table.number("coefficient_n_m_s"))};
+  }
+  if (kind == "eddy currents") {
+    table.allow_only({"kind", "magnetic_tensor_s_m4", "dipole_t_m3", "dipole_axis", "orbit"});
+    need_absolute(table, inertia);
+    const Vector3 axis = table.vector3("dipole_axis");
+    if (!(axis.norm() > 0.0)) throw table.error("dipole_axis", "found the zero vector, a direction is wanted");
+    return EddyCurrents{principal_from_named * table.matrix3("magnetic_tensor_s_m4") * inertia.named_from_principal,
+                        axis.normalized(), table.number("dipole_t_m3"), read_orbit(table)};
+  }
+  if (kind == "internal dissipation") {
+    table.allow_only({"kind", "quality_factor"});
+    const double quality = table.number("quality_factor");
+    const Vector3& I = inertia.principal_moments;
+    if (!(quality > 0.0))
+      throw table.error("quality_factor", fmt::format("found {}, a positive number is wanted", quality));
+    if (!(I[0] < I[2])) throw table.error("kind", "a sphere has no energy to lose at constant momentum");
+    const Vector3 omega = principal_from_named * *body.state->omega_named_rad_s;
+    const double momentum = I.cwiseProduct(omega).norm();
+    if (!(momentum > 0.0)) throw table.error("kind", "a body at rest has no energy to lose");
+    return InternalDissipation::from_quality_factor(quality, I, momentum);
+  }
+  if (kind == "sunlight") {
+    table.allow_only({"kind", "mesh", "unit_m", "specular", "diffuse", "orbit"});
+    need_absolute(table, inertia);
+    const std::string path = (folder / table.text("mesh")).string();
+    TriangleMesh mesh = read_mesh(read_text_file(path), path);
+    const double unit_m = table.number("unit_m");
+    if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
+    const Vector3 centre = mass_properties(mesh).centre_of_mass;
+    for (Vector3& vertex : mesh.vertices) vertex = principal_from_named * (unit_m * (vertex - centre));
+    return table.located("specular", [&] {
+      return Sunlight(mesh, {table.number("specular"), table.number("diffuse")}, read_orbit(table));
+    });
+  }
+  throw table.error("kind",
+                    fmt::format("found '{:.40}'; allowed: gravity gradient, constant, thruster pulse, linear damping, "
+                                "eddy currents, internal dissipation, sunlight",
+                                kind));
+}
+
+}  // namespace
+
+bool is_scene_file(const std::string& path) {
+  const std::string content = read_text_file(path);
+  for (std::string_view rest = content; !rest.empty();) {
+    const std::string_view line = trimmed(take_line(rest));
+    if (line.starts_with('[')) return false;
+    if (line.starts_with("accuracy")) return trimmed(line.substr(8)).starts_with('=');
+  }
+  return false;
+}
+
+Scene read_scene(const std::string& path) {
+  const TomlTable root = TomlTable::parse(read_text_file(path), path);
+  root.allow_only({"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "torque"});
+  Scene scene;
+  scene.name = root.text("name");
+  scene.source = root.text("source");
+  const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+  scene.body = read_body((folder / root.text("body")).string());
+  if (!scene.body.inertia || !scene.body.state || !scene.body.state->omega_named_rad_s ||
+      !scene.body.state->q_frame_from_named) {
+    throw root.error("body", "the body has no inertia, or no attitude and rate at an epoch; a scene needs them");
+  }
+  const std::string frame_name = root.text("frame");
+  scene.frame = root.located("frame", [&] { return frame(frame_name); });
+  const auto duration_s = [&](std::string_view key) {
+    if (!root.has(key)) return 0.0;
+    const std::string text = root.text(key);
+    const Seconds span = root.located(key, [&] { return parse_duration(text); });
+    if (!(span.high >= 0.0)) throw root.error(key, fmt::format("found '{}', a span of 0 or more is wanted", text));
+    return span.high + span.low;
+  };
+  scene.first_s = -duration_s("before");
+  scene.last_s = duration_s("after");
+  if (scene.first_s == scene.last_s)
+    throw root.error("after", "the span is empty; 'before' or 'after' says how long it is");
+  const std::string accuracy = root.text("accuracy");
+  scene.accuracy_rad = root.located("accuracy", [&] { return parse_angle_rad(accuracy); });
+  if (!(scene.accuracy_rad > 0.0))
+    throw root.error("accuracy", fmt::format("found '{}', a positive angle is wanted", accuracy));
+  if (root.has("period_uncertainty")) {
+    scene.period_uncertainty = root.number("period_uncertainty");
+    if (!(*scene.period_uncertainty > 0.0)) {
+      throw root.error("period_uncertainty",
+                       fmt::format("found {}, a positive part of the period is wanted", *scene.period_uncertainty));
+    }
+  }
+  std::vector<Torque> torques;
+  for (const TomlTable& table : root.tables("torque")) torques.push_back(read_torque(table, scene.body, folder));
+  scene.torques = Torques(std::move(torques));
+  return scene;
+}
+
+}  // namespace polhode

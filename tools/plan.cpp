@@ -1,0 +1,57 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <string>
+
+#include "output.hpp"
+#include "polhode/motion/free_body.hpp"
+#include "polhode/motion/planner.hpp"
+#include "polhode/read/scene_file.hpp"
+#include "subcommands.hpp"
+
+namespace polhode::tools {
+namespace {
+
+struct PlanOptions {
+  std::string scene_file;
+  bool full = false;
+};
+
+void print_plan(const PlanOptions& options) {
+  const Scene scene = read_scene(options.scene_file);
+  const FreeBody body = free_body(scene.body, scene.frame);
+  const Plan plan = plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
+  fmt::memory_buffer text;
+  const auto out = std::back_inserter(text);
+  fmt::format_to(out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch\naccuracy   {:.3g} rad\n",
+                 scene.name, scene.first_s, scene.last_s, scene.accuracy_rad);
+  if (scene.period_uncertainty) {
+    const double horizon_s = phase_horizon_s(body, *scene.period_uncertainty, scene.accuracy_rad);
+    fmt::format_to(out, "horizon    {:.4g} s: then periods uncertain by {:g} of themselves have lost the accuracy{}\n",
+                   horizon_s, *scene.period_uncertainty,
+                   horizon_s < std::max(scene.last_s, -scene.first_s) ? "; the span is longer" : "");
+  }
+  fmt::format_to(out, "\n{:<22} {:>12} {:>12}  {:<8} {}\n", "effect", "per turn/rad", "bound/rad", "", "why");
+  for (const PlannedEffect& effect : plan.effects) {
+    fmt::format_to(out, "{:<22} {:>12.2e} {:>12.2e}  {:<8} {}\n", effect.name, effect.periodic_rad, effect.secular_rad,
+                   effect.kept ? "kept" : "dropped", effect.why);
+  }
+  fmt::format_to(out, "\nmodel      {} ({})\nerror      {:.2e} rad, of which dropped effects {:.2e}\n", plan.model,
+                 plan.why, plan.error_rad, plan.dropped_rad);
+  fmt::format_to(out, "cost       {:.3g} torque evaluations\n", plan.torque_evaluations);
+  write_standard_output({text.data(), text.size()});
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app) {
+  const auto options = std::make_shared<PlanOptions>();
+  CLI::App* command = app.add_subcommand("plan", "Which effects a scene needs, by bounds, and which model");
+  command->add_option("SCENE", options->scene_file, "Scene file")->required();
+  command->add_flag("--full", options->full, "Keep every effect");
+  command->callback([options] { print_plan(*options); });
+}
+
+}  // namespace polhode::tools
