@@ -206,13 +206,13 @@ class TorquedMotion::Builder {
           const double momentum = static_cast<double>(next.momentum_body.norm());
           const double momentum_error = static_cast<double>((next.momentum_body - whole.momentum_body).norm());
           error = angle_rad(whole, next) + (momentum > 0.0 ? momentum_error / momentum * weight : 0.0);
-          error /= 16.0;  // of the halves, for the lowest order there is
+          error /= 60.0;  // of the halves: 16 for the lowest order there is, 2000 for the highest
         }
         const double turned_rad =
             length_s * static_cast<double>(next.momentum_body.cast<double>().cwiseQuotient(moments_).norm());
         // Local errors of a symmetric method hardly add up: their share falls with the root of the number of steps.
         // Below the rounding of a step there is nothing to gain.
-        const double rounding = (scheme_ == nullptr ? 3e-18 / 1000.0 : 5e-15 / 16.0) * weight;
+        const double rounding = (scheme_ == nullptr ? 3e-18 / 1000.0 : 5e-15 / 60.0) * weight;
         const double allowed = std::max(tolerance_rad * std::sqrt(length_s / std::abs(end_s)), rounding);
         if (evaluations_ > options_.max_torque_evaluations) return false;
         const bool good = error <= allowed && turned_rad <= 2.0 * kLongestTurn_rad;
@@ -276,7 +276,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, Torques torques, const Torque
           std::max(Builder::difference_rad(forward, finer_forward), Builder::difference_rad(backward, finer_backward));
       // Halving gains a factor of 16 at the least, from where the runs are near each other until rounding shows.
       hopeless = difference < 0.1 && !(difference < 0.5 * error_rad_);
-      error_rad_ = std::min(error_rad_, difference);
+      error_rad_ = difference;
       forward = std::move(finer_forward), backward = std::move(finer_backward);
       if (difference <= options.tolerance_rad / kSafety) {
         outcome_ = Outcome::done;
@@ -291,6 +291,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, Torques torques, const Torque
       continue;
     }
     if (!whole) outcome_ = Outcome::stopped;
+    if (error_rad_ <= options.tolerance_rad) outcome_ = Outcome::done;  // with less margin than was aimed at
     keep(forward, backward, builder.evaluations());
     break;
   }
