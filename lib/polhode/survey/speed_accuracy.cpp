@@ -1,9 +1,8 @@
 #include "polhode/survey/speed_accuracy.hpp"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <limits>
 
 namespace polhode::survey {
@@ -61,6 +60,7 @@ std::vector<SpeedAccuracyRow> speed_accuracy(const Subject& subject, int instant
   std::vector<SpeedAccuracyRow> rows;
   for (const std::vector<double>& times : {all, std::vector<double>{subject.span_s}}) {
     std::vector<rivals::State<rivals::Extended>> truth;
+    truth.reserve(times.size());
     for (const double t : times) truth.push_back(reference.at(t));
     for (const Method& method : methods()) {
       if (told) told(method.name);

@@ -19,6 +19,7 @@ Quaternion some_attitude() { return from_scalar_first({0.5, -0.5, 0.5, 0.5}); }
 std::vector<double> exponents(double first, double last, double per_decade) {
   const int count = std::max(2, static_cast<int>(std::lround(std::abs(last - first) * per_decade)) + 1);
   std::vector<double> e;
+  e.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) e.push_back(first + (last - first) * i / (count - 1));
   return e;
 }
@@ -45,6 +46,7 @@ void survey_column(const Column& column, double most_evaluations, std::vector<St
   const rivals::Reference reference(rivals::extended(column.body), 0.0, last);
   const std::vector<double> kappas = rivals::condition_numbers(column.body, times);
   std::vector<rivals::State<rivals::Extended>> truth;
+  truth.reserve(times.size());
   for (const double t : times) truth.push_back(reference.at(t));
 
   constexpr std::size_t n = std::size(fractions_of_span);
@@ -136,9 +138,9 @@ void axes(double size, std::vector<Column>& columns) {
     for (const double e : exponents(0, -160, size / 10)) {
       Vector3 m = Vector3::Constant(0.6 * std::pow(10.0, e));
       m[axis] = 1.0;
-      std::vector<Column::Cell> cells;
-      for (int decade = 0; decade < 3; ++decade) cells.push_back({3.0 * axis + decade, std::pow(100.0, decade)});
-      columns.push_back({"axis", e, {{1.0, 2.0, 2.5}, some_attitude(), m}, cells});
+      const double y = 3.0 * axis;
+      columns.push_back(
+          {"axis", e, {{1.0, 2.0, 2.5}, some_attitude(), m}, {{y, 1.0}, {y + 1.0, 100.0}, {y + 2.0, 10000.0}}});
     }
   }
 }

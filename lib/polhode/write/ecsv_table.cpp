@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <iterator>
 
 #include "polhode/write/output_file.hpp"
@@ -44,12 +45,12 @@ void write_ecsv_table(const std::string& path, const std::vector<std::string>& c
   if (!comments.empty()) text += "# meta:\n#   comments:\n";
   for (const std::string& c : comments) fmt::format_to(std::back_inserter(text), "#   - {}\n", yaml(c));
   text += "# schema: astropy-2.0\n";
-  std::vector<std::string> names;
-  for (const EcsvColumn& c : columns) names.push_back(c.name);
-  fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(names, ","));
+  std::vector<std::string> fields(columns.size());
+  std::transform(columns.begin(), columns.end(), fields.begin(), [](const EcsvColumn& c) { return c.name; });
+  fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(fields, ","));
   for (const std::vector<std::string>& row : rows) {
-    std::vector<std::string> fields;
-    for (const std::string& field : row) fields.push_back(csv(field));
+    fields.resize(row.size());
+    std::transform(row.begin(), row.end(), fields.begin(), csv);
     fmt::format_to(std::back_inserter(text), "{}\n", fmt::join(fields, ","));
   }
   OutputBytes file(path);
