@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <memory>
 #include <string>
@@ -28,7 +29,9 @@ std::unique_ptr<FreeMotion> make_free_motion(const Method& chosen, const FreeBod
     throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
   }
   if (!chosen.make_controlled) return chosen.make(body);
-  return chosen.make_controlled(body, {.step_s = options.step_s, .tolerance = options.tolerance_rad});
+  constexpr std::int64_t most_evaluations = 200'000'000;  // some seconds: what takes longer answers NaN
+  return chosen.make_controlled(
+      body, {.step_s = options.step_s, .tolerance = options.tolerance_rad, .max_evaluations = most_evaluations});
 }
 
 std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const EvalOptions& options) {
