@@ -236,7 +236,7 @@ class TorquedMotion::Builder {
   std::size_t evaluations_ = 0;
 };
 
-TorquedMotion::TorquedMotion(const FreeBody& body, Torques torques, const TorquedOptions& options)
+TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options)
     : moments_(body.principal_moments) {
   if (!(options.tolerance_rad > 0.0)) {
     throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
@@ -254,8 +254,9 @@ TorquedMotion::TorquedMotion(const FreeBody& body, Torques torques, const Torque
   for (;;) {
     Builder builder(body, torques, options, scheme_);
     const auto keep = [&](Path& forward, Path& backward, std::size_t evaluations) {
-      forward_ = std::move(forward);
-      backward_ = std::move(backward);
+      // Each round has paths of its own.
+      forward_ = std::move(forward);    // NOLINT(clang-analyzer-cplusplus.Move)
+      backward_ = std::move(backward);  // NOLINT(clang-analyzer-cplusplus.Move)
       kept_evaluations_ = evaluations;
       first_s_ = backward_.back().nodes.back().t_s;
       last_s_ = forward_.back().nodes.back().t_s;

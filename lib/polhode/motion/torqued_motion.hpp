@@ -41,7 +41,7 @@ struct TorquedOptions {
 class TorquedMotion final : public FreeMotion {
  public:
   /// Throws InputError for a span without 0, a tolerance that is not positive, an unknown method.
-  TorquedMotion(const FreeBody& body, Torques torques, const TorquedOptions& options);
+  TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options);
 
   /// Throws InputError for a time beyond what was propagated.
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
