@@ -38,7 +38,7 @@ struct Quaternion4 {
 /// Stands for infinity, with which double-double arithmetic would give NaN.
 inline constexpr double kInfinite = 1e300;
 
-inline int exponent_of(double a) { return a == 0.0 ? -2000 : __builtin_ilogb(a); }
+inline int exponent_of(double a) { return a == 0.0 || !__builtin_isfinite(a) ? -2000 : __builtin_ilogb(a); }
 
 /// |a| raised to 2^-400 unless zero: changes no answer by more than 1e-120 and keeps squares from underflowing.
 inline double raised(double a) {
