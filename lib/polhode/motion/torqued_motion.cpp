@@ -14,11 +14,14 @@ namespace {
 constexpr std::string_view kVariation = "variation";
 constexpr std::string_view kExtrapolation = "extrapolation";
 constexpr std::string_view kAuto = "auto";
-constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel and the error estimate are made for
-constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
+constexpr double kLongestTurn_rad = 6.0;    // of one step: about what the kernel and the error estimate are made for
+constexpr double kSafety = 5.0;             // two runs that differ by rounding tell its size no better
+constexpr double kSafetyOfVariation = 1.5;  // which gains more from run to run
 constexpr int kMostRefinements = 8;
 constexpr double kFewestKicksPerRadian = 10.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
+// Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
+constexpr double kPhaseOfTolerance_rad = 300.0;
 constexpr double kFinerVariation = 1.0 / 16.0;
 
 ExtendedState extended(const FreeState& state) {
@@ -101,24 +104,17 @@ class TorquedMotion::Builder {
     return extended(run.state());
   }
 
-  /// A path whose steps were chosen for this local tolerance. False if the limit of evaluations ended it, or the
-  /// method is of no use here.
-  bool first_path(double tolerance_rad, const Path& empty, Path& path) {
-    path = empty;
-    return variation_ ? vary(tolerance_rad, path) : choose_steps(tolerance_rad, path);
-  }
+  /// Paths whose steps were chosen for this local tolerance. False if the limit of evaluations ended it, or the method
+  /// is of no use here.
   bool first_paths(double tolerance_rad, Path& forward, Path& backward) {
     tolerance_rad_ = tolerance_rad;
-    return first_path(tolerance_rad, forward_, forward) && first_path(tolerance_rad, backward_, backward);
+    forward = forward_, backward = backward_;
+    return variation_ ? vary(forward) && vary(backward) : choose_steps(forward) && choose_steps(backward);
   }
 
   /// The same paths, finer; false as above.
   bool finer_paths(const Path& forward, const Path& backward, Path& finer_forward, Path& finer_backward) {
-    tolerance_rad_ *= kFinerVariation;
-    if (variation_) {
-      return first_path(tolerance_rad_, forward_, finer_forward) &&
-             first_path(tolerance_rad_, backward_, finer_backward);
-    }
+    if (variation_) return first_paths(kFinerVariation * tolerance_rad_, finer_forward, finer_backward);
     return halve(forward, finer_forward) && halve(backward, finer_backward);
   }
 
@@ -161,14 +157,14 @@ class TorquedMotion::Builder {
   std::size_t evaluations() const { return evaluations_; }
 
  private:
-  bool vary(double tolerance_rad, Path& path) {
+  bool vary(Path& path) {
     ExtendedState state = start_;
     for (Leg& leg : path) {
       const FreeState start = plain(state);
       const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
       leg.variation = std::make_shared<const Variation>(
-          FreeBody{moments_, start.q_inertial_from_body, start.momentum_body}, from_s, to_s, leg.torques, tolerance_rad,
-          options_.max_torque_evaluations - evaluations_);
+          FreeBody{moments_, start.q_inertial_from_body, start.momentum_body}, from_s, to_s, leg.torques,
+          tolerance_rad_, options_.max_torque_evaluations - evaluations_);
       evaluations_ += leg.variation->torque_evaluations();
       state = extended(leg.variation->at(leg.variation->reached_s()));
       leg.nodes = {{from_s, extended(start)}, {leg.variation->reached_s(), state}};
@@ -213,7 +209,7 @@ class TorquedMotion::Builder {
     return true;
   }
 
-  bool choose_steps(double tolerance_rad, Path& path) {
+  bool choose_steps(Path& path) {
     ExtendedState state = start_;
     const double end_s = path.back().nodes.back().t_s;
     for (Leg& leg : path) {
@@ -260,7 +256,7 @@ class TorquedMotion::Builder {
         // Local errors of a symmetric method hardly add up: their share falls with the root of the number of steps.
         // Below the rounding of a step there is nothing to gain.
         const double rounding = (scheme_ == nullptr ? 3e-18 / 1000.0 : 5e-15 / 60.0) * weight;
-        const double allowed = std::max(tolerance_rad * std::sqrt(length_s / std::abs(end_s)), rounding);
+        const double allowed = std::max(tolerance_rad_ * std::sqrt(length_s / std::abs(end_s)), rounding);
         if (evaluations_ > options_.max_torque_evaluations) return false;
         const bool good = error <= allowed && turned_rad <= 2.0 * kLongestTurn_rad;
         const double exponent = scheme_ == nullptr ? 1.0 / 15.0 : 1.0 / 7.0;
@@ -296,10 +292,10 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
   }
   // What "auto" tries in turn; a method of the caller's choice stands alone.
   std::vector<std::string_view> methods{options.method};
+  const double phase_rad =
+      body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
   if (options.method == kAuto) {
-    methods = {kVariation, "near-10-6-4", kExtrapolation};
-    const double phase_rad =
-        body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
+    methods = {kVariation, kExtrapolation};
     if (rounding_rad(phase_rad, kFewestKicksPerRadian * phase_rad) > options.tolerance_rad) methods = {kExtrapolation};
   }
   for (const std::string_view name : methods) {
@@ -308,8 +304,11 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     method_ = name;
     scheme_ = name == kVariation || name == kExtrapolation ? nullptr : &splitting_scheme(name);
     Path forward, backward;
-    bool whole = builder.first_paths(options.tolerance_rad, forward, backward);
+    bool whole = builder.first_paths(
+        options.tolerance_rad / (name == kVariation ? 1.0 + phase_rad / kPhaseOfTolerance_rad : 1.0), forward,
+        backward);
     std::size_t kept_from = 0;
+    int poor = 0;  // steps of refinement that gained little
     error_rad_ = std::numeric_limits<double>::infinity();
     outcome_ = Outcome::tolerance_not_reachable;
     bool hopeless = !last && scheme_ != nullptr &&
@@ -322,11 +321,13 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
       kept_from = before;
       const double difference =
           std::max(builder.difference_rad(forward, finer_forward), builder.difference_rad(backward, finer_backward));
-      // Finer steps gain a factor of 16 at the least, from where the runs are near each other until rounding shows.
-      hopeless = difference < 0.1 && !(difference < 0.5 * error_rad_);
+      // Finer steps gain a factor of ten and more from where the runs are near each other, until rounding shows.
+      poor += difference < 0.1 && !(difference < 0.5 * error_rad_);
+      hopeless = poor >= 2 || (difference < 0.1 && !(difference < 2.0 * error_rad_));
       error_rad_ = difference;
+
       forward = std::move(finer_forward), backward = std::move(finer_backward);
-      if (difference <= options.tolerance_rad / kSafety) {
+      if (difference <= options.tolerance_rad / (name == kVariation ? kSafetyOfVariation : kSafety)) {
         outcome_ = Outcome::done;
         break;
       }

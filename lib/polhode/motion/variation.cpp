@@ -11,11 +11,11 @@ constexpr int kFinest = 16;
 constexpr double kDifference_rad = 5e-5;    // of neighbours: its fourth power and a rounding divided by it are small
 constexpr double kLongestEpoch_rad = 10.0;  // after which the derivatives lose digits
 constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
-constexpr double kLargestDerivative = 1e3;
+constexpr double kLargestDerivative = 30.0;     // of which the fifth power measures the error of the derivatives
 constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
 constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
-constexpr double kMostEvaluationsPerRadian = 60.0;  // beyond which splitting is cheaper
+constexpr double kMostEvaluationsPerRadian = 200.0;  // beyond which splitting is cheaper
 
 /// Point i of the Chebyshev grid of degree n on (-1, 1), ascending.
 double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n); }
@@ -271,7 +271,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     }
     wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), kLongestWindow_rad);
     if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
-        static_cast<double>(evaluations_) > 2000.0 + kMostEvaluationsPerRadian * rate_rad_s * span_s) {
+        static_cast<double>(evaluations_) > 2000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
       return;
     }
     if (!good) continue;
