@@ -107,11 +107,12 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
 
 /// A time, and what the free motion and its derivatives are there.
 struct Variation::Place {
-  double t_s, since_base_s;
+  double since_base_s;
   Quaternion q;
   Matrix3 rotation;
   Vector3 omega, by_first, by_second;  // inertial
   Matrix3 inverse;                     // of (along, by_first, by_second)
+  Torques::Surroundings<double> surroundings;
 
   struct Deviation {
     Vector3 momentum, angle;
@@ -152,7 +153,6 @@ void Variation::find_places(const Epoch& epoch, std::span<const double> since_ba
   for (std::size_t i = 0; i < count; ++i) {
     Place& p = places[i];
     p.since_base_s = since_base_s[i];
-    p.t_s = epoch.base_s + since_base_s[i];
     p.q = quaternion(q, i);
     p.rotation = p.q.toRotationMatrix();
     p.omega = p.rotation * Vector3(m[3 * i], m[3 * i + 1], m[3 * i + 2]).cwiseProduct(inverse_moments_);
@@ -182,7 +182,7 @@ Variation::Coefficients Variation::rate(const Epoch& epoch, const Place& p, cons
   const Matrix3 rotation = q.toRotationMatrix();
   const Vector3 m = rotation.transpose() * (epoch.momentum + d.momentum);
   const Vector3 omega_body = m.cwiseProduct(inverse_moments_);
-  const TorqueTerms<double> terms = torques_.at(p.t_s, q, moments_);
+  const TorqueTerms<double> terms = torques_.at(p.surroundings, rotation, moments_);
   const Vector3 torque = rotation * terms.torque(omega_body);
   const Vector3 omega = rotation * (omega_body + terms.relaxation * m.cross(omega_body));
   // Exact; of it the linear part in the deviation is what the six solutions obey already.
@@ -237,6 +237,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     }
     std::array<Place, kDegree + 1> places;
     find_places(epoch, since_base_s, places.data());
+    for (Place& place : places) place.surroundings = torques_.surroundings(epoch.base_s + place.since_base_s);
     Values values = y.replicate<kDegree + 1, 1>(), rates = Values::Zero();
     // Takes the rates at the grid's points anew; returns how far the values moved.
     const auto sweep = [&](const Grid& grid) {

@@ -19,8 +19,7 @@ struct EddyCurrents {
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
-    const OrbitState<Real> orbit = trajectory.state(place.t_s);
-    const Vector3Of<Real>&r = orbit.position_m, &v = orbit.velocity_m_s;
+    const Vector3Of<Real>&r = place.orbit->position_m, &v = place.orbit->velocity_m_s;
     const Vector3Of<Real> a = dipole_axis.cast<Real>();
     using std::sqrt;
     const Real r2 = r.squaredNorm(), strength = Real(dipole_t_m3) / (r2 * sqrt(r2)), ar = a.dot(r) / r2;
