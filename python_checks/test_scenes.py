@@ -1,7 +1,8 @@
 """Scenes: what plan says, and propagate against an integration of the equations of motion that is not ours."""
 
+import astropy.units as u
 import numpy as np
-from astropy.table import Table
+from astropy.table import QTable, Table
 from astropy.time import Time
 from scipy.integrate import solve_ivp
 from scipy.interpolate import CubicHermiteSpline
@@ -73,14 +74,32 @@ def test_toutatis_on_a_trajectory_follows_the_equations_of_motion(tmp_path):
 
     q = Rotation.from_euler("ZXZ", [145.498, 65.865, 241.524], degrees=True).as_quat()
     start = np.concatenate((q, np.radians([14.51, 33.529, -98.709]) / 86400))
-    days = np.arange(0.0, 61.0, 10.0)
+    days = np.arange(0.0, 41.0, 10.0)
     scale = np.array([1.0] * 4 + [1e-5] * 3)
-    solution = solve_ivp(rate, (0, 60 * 86400), start, "DOP853", days * 86400, rtol=1e-10, atol=1e-11 * scale)
+    solution = solve_ivp(rate, (0, 40 * 86400), start, "DOP853", days * 86400, rtol=1e-10, atol=1e-11 * scale)
 
     out = tmp_path / "toutatis.fits"
-    run("propagate", "--full", SCENES / "toutatis-1992-2008.toml", "-o", out, "--stop", "+60 d", "--step", "10 d")
+    run("propagate", "--full", SCENES / "toutatis-1992-2008.toml", "-o", out, "--stop", "+40 d", "--step", "10 d")
     found = np.asarray(Table.read(out, 1)["QPARAM"])[:, [3, 0, 1, 2]]
     assert_within(angle_rad(found, solution.y[[3, 0, 1, 2]].T), 1e-6)
+
+
+def test_a_trajectory_written_by_astropy_is_the_orbit_it_was_made_from(tmp_path):
+    scene = (SCENES / "librator.toml").read_text().replace("bodies/", f"{SCENES}/bodies/")
+    start = scene.index("periapsis_m")
+    elements = scene[start : scene.index("[[torque]]")]
+    seconds = np.arange(-600.0, 88000.0, 60.0)
+    angle = np.sqrt(3.986004418e14 / 7.0e6**3) * seconds
+    table = QTable({"time": Time("2025-01-01T00:00:00", scale="tdb") + seconds * u.s})
+    table["x"], table["y"], table["z"] = 7000.0 * np.cos(angle) * u.km, 7000.0 * np.sin(angle) * u.km, 0.0 * angle * u.km
+    table.write(tmp_path / "orbit.ecsv", format="ascii.ecsv")
+    (tmp_path / "elements.toml").write_text(scene)
+    (tmp_path / "table.toml").write_text(scene.replace(elements, 'trajectory = "orbit.ecsv"\n'))
+    attitudes = []
+    for name in ("elements", "table"):
+        run("propagate", tmp_path / f"{name}.toml", "-o", tmp_path / f"{name}.fits", "--step", "1 h")
+        attitudes.append(np.asarray(Table.read(tmp_path / f"{name}.fits", 1)["QPARAM"])[:, [3, 0, 1, 2]])
+    assert_within(angle_rad(*attitudes), 2e-5)  # two runs to 1e-3 deg
 
 
 def test_a_scene_refuses_what_it_does_not_cover(tmp_path):
