@@ -13,9 +13,10 @@ namespace polhode {
 /// magnetic tensor, is in S m^4 = N m s / T^2: it is a conductivity times a length to the fifth.
 struct EddyCurrents {
   Matrix3 magnetic_tensor_s_m4;  ///< symmetric, principal axes
-  Vector3 dipole_axis;           ///< unit, inertial, towards the south magnetic pole of a planet like Earth reversed
-  double dipole_t_m3;            ///< field on the dipole's equator times the distance cubed; Earth 7.8e15
-  Trajectory trajectory;         ///< of the body, from the dipole
+  Vector3 dipole_axis;    ///< unit, inertial, along the magnetic moment: southward for the Earth, since the field
+                          ///< at its equator points north
+  double dipole_t_m3;     ///< field on the dipole's equator times the distance cubed; Earth 7.8e15
+  Trajectory trajectory;  ///< of the body, from the dipole
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
