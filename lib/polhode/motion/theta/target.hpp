@@ -13,7 +13,7 @@ void at_one(const Solution& s, double t_high, double t_low, double q_xyzw[4], do
   dispatch(s, [&](const auto& at) {
     double qs[4], ms[3];
     const Pair<double> t = two_sum<double>(t_high, t_low);
-    at(t.high, t.low, qs, ms);
+    at.state(at.phases(t.high, t.low), qs, ms);
     for (int k = 0; k < 4; ++k) q_xyzw[k] = qs[(k + 1) % 4];
     for (int k = 0; k < 3; ++k) m[k] = ms[k];
   });
