@@ -38,6 +38,16 @@ inline V polynomial(const double* a, V x) {
   return sum;
 }
 
+/// The polynomial of degree 5 in pairs: half the latency of Horner's rule.
+template <class V>
+inline V polynomial_of_degree_5(const double (&a)[6], V x) {
+  const V x2 = x * x;
+  const V first = multiply_add(x, all<V>(a[1]), all<V>(a[0]));
+  const V second = multiply_add(x, all<V>(a[3]), all<V>(a[2]));
+  const V third = multiply_add(x, all<V>(a[5]), all<V>(a[4]));
+  return multiply_add(x2, multiply_add(x2, third, second), first);
+}
+
 /// Four polynomials side by side.
 template <int Degree, class V>
 inline void polynomials(const double (&a)[kMaxDegree + 1][4], V x, V (&sums)[4]) {
@@ -89,9 +99,10 @@ template <class V>
 template <class V>
 [[gnu::always_inline]] inline void sine_cosine(const Angle<V>& x, V& sine, V& cosine) {
   const V y = x.y, u = y * y;
-  const V tail = multiply_add(u, polynomial<5>(kSineTail, u), all<V>(kHalfPiLow));
+  const V tail = multiply_add(u, polynomial_of_degree_5(kSineTail, u), all<V>(kHalfPiLow));
   const V s = multiply_add(y, all<V>(kHalfPiHigh), y * tail);
-  const V c = multiply_add(u, multiply_add(u, polynomial<5>(kCosineTail, u), all<V>(-kEighthPi2)), all<V>(1.0));
+  const V c =
+      multiply_add(u, multiply_add(u, polynomial_of_degree_5(kCosineTail, u), all<V>(-kEighthPi2)), all<V>(1.0));
   sine = flip(choose(x.quarter, s, c), x.quarter << 62);
   cosine = flip(choose(x.quarter, c, s), (x.quarter + 1) << 62);
 }
@@ -114,7 +125,7 @@ template <class V>
 
 /// Attitude and momentum (times its scale) from alpha and beta, one of them of size near 1, and the phase of rho t.
 template <class V>
-[[gnu::always_inline]] inline void attitude_and_momentum(const Frame& f, V re_alpha, V im_alpha, V re_beta, V im_beta,
+[[gnu::always_inline]] inline void attitude_and_momentum(const Frame& f, V re_alpha, V re_beta, V im_alpha, V im_beta,
                                                          V sine, V cosine, V (&q)[4], V (&m)[3]) {
   const V alpha2 = multiply_add(re_alpha, re_alpha, im_alpha * im_alpha);
   const V beta2 = multiply_add(re_beta, re_beta, im_beta * im_beta);
@@ -181,7 +192,7 @@ struct FourierAt {
     const V sin_2v = two_sin * p.cos_v;
     V c[4];
     polynomials<Degree>(s.polynomial, cos_2v, c);
-    attitude_and_momentum(s.frame, c[0], sin_2v * c[1], p.sin_v * c[2], p.cos_v * c[3], p.sin_rho, p.cos_rho, q, m);
+    attitude_and_momentum(s.frame, c[0], p.sin_v * c[1], sin_2v * c[2], p.cos_v * c[3], p.sin_rho, p.cos_rho, q, m);
   }
 };
 
@@ -195,16 +206,25 @@ struct HyperbolicAt {
     typename BitsOf<V>::type side, parity;  // in the highest bit
   };
   template <class V>
-  [[gnu::always_inline]] Phases<V> phases(V t_high, V t_low) const {
-    // x: exact to its last place where e^{-|x|} is not small, since that is where the body turns over.
+  struct Position {
+    V x, n;
+  };
+  /// Exact to its last place where e^{-|x|} is not small, since that is where the body turns over.
+  template <class V>
+  [[gnu::always_inline]] Position<V> position(V t_high, V t_low) const {
     const V rate = all<V>(s.x_per_s.high);
     const V product = t_high * rate;
     V rest = multiply_add(t_high, all<V>(s.x_per_s.low), product_error(t_high, rate, product));
     rest = multiply_add(t_low, rate, rest) + s.x_at_0.low;
     const Pair<V> sum = two_sum(product, all<V>(s.x_at_0.high));
     const V n = nearest_integer(sum.high * s.reciprocal_x_period);
-    const V x = product_minus(-n, all<V>(s.x_period.high), -sum.high) +
-                multiply_add(-n, all<V>(s.x_period.low), sum.low + rest);
+    return {product_minus(-n, all<V>(s.x_period.high), -sum.high) +
+                multiply_add(-n, all<V>(s.x_period.low), sum.low + rest),
+            n};
+  }
+  template <class V>
+  [[gnu::always_inline]] Phases<V> phases(V t_high, V t_low) const {
+    const auto [x, n] = position(t_high, t_low);
     Phases<V> p;
     exponentials(magnitude(x), s.root_of_nome, p.falling, p.growing);
     sine_cosine(angle(s.rho_quarters_per_s, t_high, t_low, x * s.x_to_quarters), p.sine, p.cosine);
@@ -219,7 +239,7 @@ struct HyperbolicAt {
     polynomials<Degree>(s.falling, p.falling, falling);
     V c[4];
     for (int i = 0; i < 4; ++i) c[i] = multiply_add(p.falling, falling[i], growing[i]);
-    attitude_and_momentum(s.frame, c[0], flip(c[1], p.side), flip(c[2], p.side ^ p.parity), flip(c[3], p.parity),
+    attitude_and_momentum(s.frame, c[0], flip(c[1], p.side ^ p.parity), flip(c[2], p.side), flip(c[3], p.parity),
                           p.sine, p.cosine, q, m);
   }
 };
