@@ -215,10 +215,13 @@ Frame frame_of(const Input& in, const Canonical<Real>& c, int momentum_exponent,
   const Quaternion4<Real> s{state_at_0.w / root, state_at_0.x / root, state_at_0.y / root, state_at_0.z / root};
   const Quaternion4<Real> r = initial_attitude<Real>(in) * (s * cc).conjugate();
   Frame frame;
+  const Quaternion4<Real> r_times_unit[4] = {// r, r i, r j, r k
+                                             r,
+                                             {-r.x, r.w, r.z, -r.y},
+                                             {-r.y, -r.z, r.w, r.x},
+                                             {-r.z, r.y, -r.x, r.w}};
   for (int column = 0; column < 4; ++column) {
-    const Quaternion4<Real> unit{column == 0 ? 1.0 : 0.0, column == 1 ? 1.0 : 0.0, column == 2 ? 1.0 : 0.0,
-                                 column == 3 ? 1.0 : 0.0};
-    const Quaternion4<Real> q = r * unit * cc;
+    const Quaternion4<Real> q = r_times_unit[column] * cc;
     const Real entries[4] = {q.w, q.x, q.y, q.z};
     for (int row = 0; row < 4; ++row) frame.frame[column][row] = nearest(entries[row]);
   }
