@@ -95,7 +95,7 @@ template <class V>
   return {fraction + (offset + rest), bits(shifted)};
 }
 
-/// sin and cos of an angle; absolute error below 0.7 2^-53.
+/// sin and cos of an angle; absolute errors below 0.8 and 1.1 times 2^-53 with fma, 1.3 without (measured).
 template <class V>
 [[gnu::always_inline]] inline void sine_cosine(const Angle<V>& x, V& sine, V& cosine) {
   const V y = x.y, u = y * y;
