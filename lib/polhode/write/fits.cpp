@@ -3,6 +3,7 @@
 #include <fitsio.h>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstdint>
@@ -49,7 +50,7 @@ class Fits {
     fits_clear_errmsg();
   }
 
-  operator fitsfile*() { return file_; }
+  fitsfile* handle() { return file_; }
 
   /// Throws FileError if `status` is a cfitsio error, with the system's reason where there is one.
   void check(int status) const {
@@ -200,13 +201,13 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   OutputFile output(path);
   Fits fits(output);
   int status = 0;
-  fits_create_img(fits, BYTE_IMG, 0, nullptr, &status);
+  fits_create_img(fits.handle(), BYTE_IMG, 0, nullptr, &status);
   fits.check(status);
   fits.checksums(0);
 
-  std::vector<const char*> names{"TIME", "QPARAM", "OMEGA"};
-  std::vector<const char*> forms{"1D", "4D", "3D"};
-  std::vector<const char*> units{"s", "", "rad/s"};
+  std::vector<std::string> names{"TIME", "QPARAM", "OMEGA"};
+  std::vector<std::string> forms{"1D", "4D", "3D"};
+  std::vector<std::string> units{"s", "", "rad/s"};
   std::size_t doubles_per_row = 8;
   if (options.momentum) {
     names.push_back("L");
@@ -220,14 +221,14 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
     units.push_back("s");
     doubles_per_row += 1;
   }
-  const auto mutable_pointers = [](const std::vector<const char*>& texts) {  // cfitsio's signature; it changes nothing
-    std::vector<char*> pointers;
-    for (const char* text : texts) pointers.push_back(const_cast<char*>(text));
-    return pointers;
+  const auto pointers = [](std::vector<std::string>& texts) {
+    std::vector<char*> out(texts.size());
+    std::transform(texts.begin(), texts.end(), out.begin(), [](std::string& text) { return text.data(); });
+    return out;
   };
   // No rows yet: they are appended. A table that knew its length would be filled with zeros when we stop early.
-  fits_create_tbl(fits, BINARY_TBL, 0, static_cast<int>(names.size()), mutable_pointers(names).data(),
-                  mutable_pointers(forms).data(), mutable_pointers(units).data(), "ATTITUDE", &status);
+  fits_create_tbl(fits.handle(), BINARY_TBL, 0, static_cast<int>(names.size()), pointers(names).data(),
+                  pointers(forms).data(), pointers(units).data(), "ATTITUDE", &status);
   fits.check(status);
   const TimeResolution resolution{options.time_low ? TimeResolution::Kind::two_doubles
                                                    : TimeResolution::Kind::one_double};
@@ -251,10 +252,10 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   };
   LONGLONG written = 0;
   std::uint64_t data_sum = 0;
-  const auto consume = [&](const EncodedBlock& block) {
+  const auto consume = [&](EncodedBlock& block) {
     errno = 0;
-    auto* bytes = reinterpret_cast<unsigned char*>(const_cast<char*>(block.bytes.data()));
-    fits_write_tblbytes(fits, written + 1, 1, static_cast<LONGLONG>(block.bytes.size()), bytes, &status);
+    auto* bytes = reinterpret_cast<unsigned char*>(block.bytes.data());
+    fits_write_tblbytes(fits.handle(), written + 1, 1, static_cast<LONGLONG>(block.bytes.size()), bytes, &status);
     fits.check(status);
     data_sum = fold(data_sum + fold(block.word_sum));
     written += static_cast<LONGLONG>(block.rows);
@@ -263,7 +264,7 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   stream_rows(ephemeris, resolution, encode, consume);
 
   errno = 0;
-  fits_flush_file(fits, &status);  // notes the count of rows in the header
+  fits_flush_file(fits.handle(), &status);  // notes the count of rows in the header
   fits.check(status);
   fits.checksums(data_sum);
   fits.close();

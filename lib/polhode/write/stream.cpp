@@ -23,7 +23,7 @@ struct Slot {
 
 void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
                  const std::function<void(std::size_t, const AttitudeBlock&, EncodedBlock&)>& encode,
-                 const std::function<void(const EncodedBlock&)>& consume) {
+                 const std::function<void(EncodedBlock&)>& consume) {
   const std::size_t rows = ephemeris.times().size();
   const std::size_t blocks = (rows + rows_per_block - 1) / rows_per_block;
   const auto make = [&](std::size_t number, AttitudeBlock& scratch, EncodedBlock& out) {

@@ -25,6 +25,6 @@ struct EncodedBlock {
 /// rethrown.
 void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
                  const std::function<void(std::size_t first_row, const AttitudeBlock&, EncodedBlock&)>& encode,
-                 const std::function<void(const EncodedBlock&)>& consume);
+                 const std::function<void(EncodedBlock&)>& consume);
 
 }  // namespace polhode
