@@ -232,7 +232,8 @@ class Writer {
       key("INTERPOLATION_DEGREE", std::to_string(options_.interpolation_degree));
     }
     bytes_.write(options_.xml ? "</metadata>\n<data>\n" : "META_STOP\n\nDATA_START\n");
-    const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
+    const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
+      out.bytes.clear();
       DateText dates(times, decimals);
       std::array<double, 8> numbers{};
       for (std::size_t row = 0; row < block.rows; ++row) {

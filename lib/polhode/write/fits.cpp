@@ -128,10 +128,10 @@ class Fits {
   fitsfile* file_ = nullptr;
 };
 
-/// The bytes of a table row in file order, and the sum of its 32-bit words.
+/// Puts numbers in file order one after the other, and sums their 32-bit words.
 class Packer {
  public:
-  explicit Packer(EncodedBlock& block) : block_(block) {}
+  explicit Packer(char* to) : at_(to) {}
   void put(double value) {
     const auto bits = std::bit_cast<std::uint64_t>(value);
     sum_ += (bits >> 32) + (bits & 0xffffffffU);
@@ -140,15 +140,10 @@ class Packer {
     std::memcpy(at_, &swapped, sizeof swapped);
     at_ += sizeof swapped;
   }
-  void begin(std::size_t bytes) {
-    block_.bytes.resize(bytes);
-    at_ = block_.bytes.data();
-  }
-  void end() { block_.word_sum = sum_; }
+  std::uint64_t sum() const { return sum_; }
 
  private:
-  EncodedBlock& block_;
-  char* at_ = nullptr;
+  char* at_;
   std::uint64_t sum_ = 0;
 };
 
@@ -235,20 +230,21 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   write_keywords(fits, ephemeris, resolution);
 
   const std::size_t row_bytes = doubles_per_row * sizeof(double);
-  const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
-    Packer packer(out);
-    packer.begin(block.rows * row_bytes);
-    for (std::size_t i = 0; i < block.rows; ++i) {
-      const double* q = &block.q_frame_from_named[4 * i];
+  const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
+    out.bytes.resize(block.rows * row_bytes);
+    Packer packer(out.bytes.data());
+    const double* q = block.q_frame_from_named.data();
+    const double* omega = block.omega_named_rad_s.data();
+    for (std::size_t i = 0; i < block.rows; ++i, q += 4, omega += 3) {
       packer.put(block.time[i].high);
       for (const int k : {1, 2, 3, 0}) packer.put(q[k]);
-      for (std::size_t k = 0; k < 3; ++k) packer.put(block.omega_named_rad_s[3 * i + k]);
+      for (int k = 0; k < 3; ++k) packer.put(omega[k]);
       if (options.momentum) {
         for (std::size_t k = 0; k < 3; ++k) packer.put(block.momentum_named[3 * i + k]);
       }
       if (options.time_low) packer.put(block.time[i].low);
     }
-    packer.end();
+    out.word_sum = packer.sum();
   };
   LONGLONG written = 0;
   std::uint64_t data_sum = 0;

@@ -96,7 +96,8 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
   OutputBytes bytes(path);
   bytes.write(header + "\n");
 
-  const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
+  const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
+    out.bytes.clear();
     DateText dates(times, decimals);
     const auto put = [&out](double value) {
       out.bytes.push_back(',');
