@@ -257,7 +257,8 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
     written += static_cast<LONGLONG>(block.rows);
     if (progress) progress(static_cast<std::size_t>(written));
   };
-  stream_rows(ephemeris, resolution, encode, consume);
+  stream_rows(
+      ephemeris, resolution, [&] { return encode; }, consume);
 
   errno = 0;
   fits_flush_file(fits.handle(), &status);  // notes the count of rows in the header

@@ -15,8 +15,7 @@ constexpr std::size_t rows_per_block = 4096;  // a block and its text stay in a 
 
 }  // namespace
 
-void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
-                 const std::function<void(const AttitudeBlock&, EncodedBlock&)>& encode,
+void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution, const std::function<Encoder()>& new_encoder,
                  const std::function<void(EncodedBlock&)>& consume) {
   const std::size_t rows = ephemeris.times().size();
   const std::size_t blocks = (rows + rows_per_block - 1) / rows_per_block;
@@ -30,6 +29,7 @@ void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
   const auto work = [&] {
     AttitudeBlock scratch;
     EncodedBlock block;
+    const Encoder encode = new_encoder();
     for (;;) {
       std::unique_lock lock(mutex);
       if (stop || next == blocks) return;

@@ -20,12 +20,13 @@ struct EncodedBlock {
   std::size_t rows = 0;
 };
 
-/// Computes and encodes the rows of an ephemeris block by block on all cores, and hands the blocks to `consume` in
-/// order, one at a time, on whichever thread made them. `encode` finds in its block what an earlier block left there.
-/// Memory does not depend on the count of rows. An exception on any thread stops all and is rethrown: that of the first
-/// block which has one.
-void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
-                 const std::function<void(const AttitudeBlock&, EncodedBlock&)>& encode,
+/// Makes the bytes of a block of rows. It finds in `out` what an earlier block left there.
+using Encoder = std::function<void(const AttitudeBlock& rows, EncodedBlock& out)>;
+
+/// Computes and encodes the rows of an ephemeris block by block on all cores, each thread with an encoder of its own,
+/// and hands the blocks to `consume` in order, one at a time, on whichever thread made them. Memory does not depend on
+/// the count of rows. An exception on any thread stops all and is rethrown: that of the first block which has one.
+void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution, const std::function<Encoder()>& new_encoder,
                  const std::function<void(EncodedBlock&)>& consume);
 
 }  // namespace polhode
