@@ -2,6 +2,7 @@
 
 #include <fitsio.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -189,11 +190,28 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
       "along inertial y. Its sign is continuous from row to row. OMEGA has components in frame B.");
 }
 
+/// cfitsio compresses a file from memory when it closes it.
+void refuse_beyond_memory(const std::string& path, std::size_t rows, std::size_t row_bytes) {
+  const double wanted = static_cast<double>(rows) * static_cast<double>(row_bytes);
+  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  constexpr double most = 2e9;
+  const double allowed = std::min(most, 0.5 * memory);
+  if (wanted > allowed) {
+    throw InputError(
+        fmt::format("{}: {} rows are {:.2f} GB, all held in memory until they are compressed; at most {:.2f} GB here. "
+                    "Write .fits, which takes any length, and compress that",
+                    path, rows, wanted * 1e-9, allowed * 1e-9));
+  }
+}
+
 }  // namespace
 
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
                 const Progress& progress) {
   OutputFile output(path);
+  const std::size_t doubles_per_row = 8 + (options.momentum ? 3 : 0) + (options.time_low ? 1 : 0);
+  const std::size_t row_bytes = doubles_per_row * sizeof(double);
+  if (path.ends_with(".gz")) refuse_beyond_memory(path, ephemeris.times().size(), row_bytes);
   Fits fits(output);
   int status = 0;
   fits_create_img(fits.handle(), BYTE_IMG, 0, nullptr, &status);
@@ -203,18 +221,15 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   std::vector<std::string> names{"TIME", "QPARAM", "OMEGA"};
   std::vector<std::string> forms{"1D", "4D", "3D"};
   std::vector<std::string> units{"s", "", "rad/s"};
-  std::size_t doubles_per_row = 8;
   if (options.momentum) {
     names.push_back("L");
     forms.push_back("3D");
     units.push_back(ephemeris.inertia().absolute ? "N m s" : "");
-    doubles_per_row += 3;
   }
   if (options.time_low) {
     names.push_back("TIME_LO");
     forms.push_back("1D");
     units.push_back("s");
-    doubles_per_row += 1;
   }
   const auto pointers = [](std::vector<std::string>& texts) {
     std::vector<char*> out(texts.size());
@@ -229,7 +244,6 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
                                                    : TimeResolution::Kind::one_double};
   write_keywords(fits, ephemeris, resolution);
 
-  const std::size_t row_bytes = doubles_per_row * sizeof(double);
   const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
     out.bytes.resize(block.rows * row_bytes);
     Packer packer(out.bytes.data());
