@@ -68,7 +68,6 @@ def test_stability_table_and_figures(tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["speed-accuracy"],  # no body
         ["speed-accuracy", "no-such-file.toml"],
         ["speed-accuracy", f"{ROOT}/data/bodies/toutatis.toml@-5d"],
         ["speed-accuracy", f"{ROOT}/data/bodies/toutatis.toml@soon"],
