@@ -209,7 +209,7 @@ survey::TorquedSubject read_torqued_subject(const std::string& text) {
 
 void chart_torqued(const ChartOptions& options) {
   constexpr int kInstants = 1000;
-  constexpr double kEvaluations = 5e5, kEvaluationsPerTurn = 1000.0;
+  constexpr double kEvaluations = 2e5, kEvaluationsPerTurn = 500.0;
   std::vector<survey::TorquedSubject> subjects;
   for (const std::string& text : or_standard(options.bodies, "/", kStandardTorqued)) {
     subjects.push_back(read_torqued_subject(text));

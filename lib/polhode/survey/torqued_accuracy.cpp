@@ -105,10 +105,10 @@ class Progress {
   Progress(const Examination& e, std::vector<TorquedRow>& rows) : most_evaluations_(e.most_evaluations), rows_(rows) {}
 
   bool take(const TorquedRow& row) {
-    // Too coarse steps may fail or diverge, and angles end at pi: neither is an end of the progress.
+    // Too coarse steps may fail, diverge or cost more than fine ones: none is an end of the progress.
     const bool finite = std::isfinite(row.attitude_rad);
     if (finite) rows_.push_back(row);
-    if (row.evaluations > most_evaluations_ || (!finite && std::isfinite(best_))) return false;
+    if (std::isfinite(best_) && (!finite || row.evaluations > most_evaluations_)) return false;
     if (finite) {
       without_progress_ = row.attitude_rad < 0.8 * best_ || best_ > 1e-3 ? 0 : without_progress_ + 1;
       best_ = std::min(best_, row.attitude_rad);
@@ -147,7 +147,7 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
       const bool better = row.attitude_rad < 0.8 * before;
       if (better) best = row, free_step_s = s;
       if (std::isfinite(before) && !better) break;
-      if (e.subject.span_s / s > 10.0 * e.most_evaluations) break;
+      if (span_s / s > 5.0 * e.most_evaluations) break;
     }
     if (!progress.take(best)) return;
   }

@@ -21,8 +21,8 @@ class Kicked {
   }
 
   void advance(State<double>& y, std::int64_t steps) {
-    // A step of the free method costs less than a torque, but more than a tenth of it.
-    if (10.0 * static_cast<double>(problem_.max_evaluations) < free_steps_ * static_cast<double>(steps)) {
+    // A step of the free method costs less than a torque, but more than a fifth of it.
+    if (5.0 * static_cast<double>(problem_.max_evaluations) < free_steps_ * static_cast<double>(steps)) {
       y.m[0] = y.q[0] = std::numeric_limits<double>::quiet_NaN();
       return;
     }
