@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view torqued_motions[] = {"auto", "extrapolation"};
 
 constexpr double reference_tolerance_rad = 1e-14;
-constexpr double loosest_tolerance = 1e-2, tightest_tolerance = 1e-16;
+constexpr int loosest_digits = 2, tightest_digits = 16;  // of tolerances
 constexpr double longest_step_turns = 1.0, longest_step_turns_without_kernel = 1.0 / 8.0;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -132,7 +132,9 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
   Progress progress(e, rows);
   const double span_s = std::abs(e.subject.span_s);
   double free_step_s = longest_s;
-  for (double step_s = longest_s; span_s / step_s <= e.most_evaluations; step_s /= std::sqrt(2.0)) {
+  for (int halvings = 0;; ++halvings) {  // of the square of the step
+    const double step_s = longest_s * std::pow(0.5, 0.5 * halvings);
+    if (span_s / step_s > e.most_evaluations) return;
     StepControl control{.step_s = step_s, .max_evaluations = static_cast<std::int64_t>(e.most_evaluations)};
     if (!method.fixed_free_step) {
       if (!progress.take(measured(e, method, control))) return;
@@ -140,7 +142,9 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
     }
     TorquedRow best;
     best.attitude_rad = infinity;
-    for (double s = std::min(4.0 * free_step_s, step_s);; s /= 2.0) {
+    const double first_s = std::min(4.0 * free_step_s, step_s);
+    for (int n = 0;; ++n) {
+      const double s = std::ldexp(first_s, -n);
       control.free_step_s = s;
       const TorquedRow row = measured(e, method, control);
       const double before = best.attitude_rad;
@@ -180,8 +184,8 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
     for (const std::string_view method : torqued_motions) {
       if (told) told(method);
       Progress progress(e, result.rows);
-      for (double tolerance = loosest_tolerance; tolerance >= tightest_tolerance; tolerance /= 10.0) {
-        if (!progress.take(measured(e, method, tolerance))) break;
+      for (int digits = loosest_digits; digits <= tightest_digits; ++digits) {
+        if (!progress.take(measured(e, method, std::pow(10.0, -digits)))) break;
       }
     }
     for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
@@ -192,9 +196,9 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
         continue;
       }
       Progress progress(e, result.rows);
-      StepControl control{.tolerance = loosest_tolerance,
-                          .max_evaluations = static_cast<std::int64_t>(most_evaluations)};
-      for (; control.tolerance >= tightest_tolerance; control.tolerance /= 10.0) {
+      for (int digits = loosest_digits; digits <= tightest_digits; ++digits) {
+        const StepControl control{.tolerance = std::pow(10.0, -digits),
+                                  .max_evaluations = static_cast<std::int64_t>(most_evaluations)};
         if (!progress.take(measured(e, method, control))) break;
       }
     }
