@@ -27,13 +27,14 @@ void print_plan(const PlanOptions& options) {
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch\naccuracy   {:.3g} rad\n",
                  scene.name, scene.first_s, scene.last_s, scene.accuracy_rad);
+  bool phase_is_lost = false;
   if (scene.period_uncertainty) {
     const double horizon_s = phase_horizon_s(body, *scene.period_uncertainty, scene.accuracy_rad);
+    phase_is_lost = horizon_s < std::max(scene.last_s, -scene.first_s);
     fmt::format_to(out, "horizon    {:.4g} s: then periods uncertain by {:g} of themselves have lost the accuracy{}\n",
-                   horizon_s, *scene.period_uncertainty,
-                   horizon_s < std::max(scene.last_s, -scene.first_s) ? "; the span is longer" : "");
+                   horizon_s, *scene.period_uncertainty, phase_is_lost ? "; the span is longer" : "");
   }
-  fmt::format_to(out, "\n{:<22} {:>12} {:>12}  {:<8} {}\n", "effect", "per turn/rad", "bound/rad", "", "why");
+  fmt::format_to(out, "\n{:<22} {:>12} {:>12}  {:<8} {}\n", "effect", "periodic/rad", "secular/rad", "", "why");
   for (const PlannedEffect& effect : plan.effects) {
     fmt::format_to(out, "{:<22} {:>12.2e} {:>12.2e}  {:<8} {}\n", effect.name, effect.periodic_rad, effect.secular_rad,
                    effect.kept ? "kept" : "dropped", effect.why);
@@ -41,6 +42,8 @@ void print_plan(const PlanOptions& options) {
   fmt::format_to(out, "\nmodel      {} ({})\nerror      {:.2e} rad, of which dropped effects {:.2e}\n", plan.model,
                  plan.why, plan.error_rad, plan.dropped_rad);
   fmt::format_to(out, "cost       {:.3g} torque evaluations\n", plan.torque_evaluations);
+  if (phase_is_lost)
+    fmt::format_to(out, "beyond the horizon the phase of the rotation is not known, whatever is modelled\n");
   write_standard_output({text.data(), text.size()});
 }
 

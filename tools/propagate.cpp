@@ -250,9 +250,9 @@ void propagate(PropagateOptions options) {
   const Method& chosen = method(options.method);
   std::shared_ptr<const FreeMotion> motion;
   std::optional<Plan> plan;
-  if (scene) {  // half the accuracy for the rows, half for what stands between them
-    plan = plan_motion(free, scene->torques, scene->first_s, scene->last_s, 0.5 * scene->accuracy_rad, options.full);
-    motion = planned_motion(*plan, free, scene->first_s, scene->last_s);
+  if (scene) {
+    plan = plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
+    motion = planned_motion(*plan, free, scene->first_s, scene->last_s).motion;
   } else {
     motion = chosen.make(free);
   }
@@ -263,8 +263,10 @@ void propagate(PropagateOptions options) {
   std::size_t rows = 0;
   const Interpolation interpolation = interpolation_of(format);
   const auto rows_between = [&](Instant start, Instant stop) {
-    return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high,
-                              parse_angle_rad(options.tolerance), interpolation.kind);
+    double tolerance_rad = parse_angle_rad(options.tolerance);
+    if (plan && tolerance_rad > plan->error_rad) tolerance_rad -= plan->error_rad;  // the rows' own error is not small
+    return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high, tolerance_rad,
+                              interpolation.kind);
   };
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
     rows += grid.size();
@@ -279,7 +281,7 @@ void propagate(PropagateOptions options) {
     if (!options.tolerance.empty()) {
       description.tolerance_rad = parse_angle_rad(options.tolerance);
       description.interpolation = interpolation.text;
-      if (*description.tolerance_rad < 2.0 * description.promised_error_rad) {
+      if (*description.tolerance_rad < (plan ? 1.0 : 2.0) * description.promised_error_rad) {
         throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
                                      *description.tolerance_rad, description.promised_error_rad));
       }

@@ -98,14 +98,63 @@ TEST(TabulatedOrbit, FollowsTheOrbitItWasMadeFrom) {
     times_s.push_back(t);
     positions_m.push_back(orbit.state(t).position_m);
   }
-  const TabulatedOrbit table(times_s, positions_m, 9);
+  const TabulatedOrbit table({OrbitTable{times_s, positions_m, {}, 9, {}, {}}});
   for (double t = -597.0; t < 6000.0; t += 13.7) {
     EXPECT_LT((table.state(t).position_m - orbit.state(t).position_m).norm(), 1e-3);
     EXPECT_LT((table.state(t).velocity_m_s - orbit.state(t).velocity_m_s).norm(), 1e-4);
   }
   EXPECT_THROW(table.state(-601.0), InputError);
-  EXPECT_THROW(TabulatedOrbit({0.0, 1.0, 1.0}, std::vector<Vector3>(3), 2), InputError);
-  EXPECT_THROW(TabulatedOrbit({0.0, 1.0}, std::vector<Vector3>(2), 2), InputError);
+  EXPECT_THROW(TabulatedOrbit({OrbitTable{{0.0, 1.0, 1.0}, std::vector<Vector3>(3), {}, 2, {}, {}}}), InputError);
+  EXPECT_THROW(TabulatedOrbit({OrbitTable{{0.0, 1.0}, std::vector<Vector3>(2), {}, 2, {}, {}}}), InputError);
+}
+
+TEST(TabulatedOrbit, WithVelocitiesIsGoodForTwiceAsManyConditions) {
+  const KeplerOrbit orbit(elements(7e6, 0.1));
+  const auto rows = [&](double step_s, int degree, bool hermite, double first_s = 0.0, double last_s = 6000.0) {
+    OrbitTable table;
+    table.degree = degree;
+    for (double t = first_s; t <= last_s; t += step_s) {
+      const OrbitState<double> state = orbit.state(t);
+      table.times_s.push_back(t);
+      table.positions_m.push_back(state.position_m);
+      if (hermite) table.velocities_m_s.push_back(state.velocity_m_s);
+    }
+    return table;
+  };
+  const auto worst_m = [&](const OrbitTable& table) {
+    const TabulatedOrbit tabulated({table});
+    double worst = 0.0;
+    for (double t = 1000.0; t < 5000.0; t += 13.7) {
+      const OrbitState<double> found = tabulated.state(t), exact = orbit.state(t);
+      worst = std::max(worst, (found.position_m - exact.position_m).norm());
+      // The velocity is the derivative of the position.
+      const Vector3Of<long double> slope =
+          (tabulated.state<long double>(t + 0.01L).position_m - tabulated.state<long double>(t - 0.01L).position_m) /
+          0.02L;
+      EXPECT_LT((found.velocity_m_s - slope.cast<double>()).norm(), 1e-4);
+    }
+    return worst;
+  };
+  // Orders 4 and 8 of the spacing for Hermite of degree 3 and 7, 2 for straight lines; degree 6 is taken as 7.
+  for (const auto& [degree, order] : {std::pair{3, 4.0}, {7, 8.0}}) {
+    EXPECT_NEAR(std::log2(worst_m(rows(400.0, degree, true)) / worst_m(rows(200.0, degree, true))), order, 0.7);
+  }
+  EXPECT_NEAR(std::log2(worst_m(rows(100.0, 1, false)) / worst_m(rows(50.0, 1, false))), 2.0, 0.2);
+  EXPECT_EQ(worst_m(rows(200.0, 6, true)), worst_m(rows(200.0, 7, true)));
+
+  // Two tables: nothing is interpolated across the seam, the later counts where they overlap.
+  OrbitTable before = rows(200.0, 7, true, 0.0, 3000.0), after = rows(200.0, 7, true, 2000.0, 6000.0);
+  for (Vector3& position : after.positions_m) position *= 2.0;
+  for (Vector3& velocity : after.velocities_m_s) velocity *= 2.0;
+  after.useable_from_s = 2500.0;
+  const TabulatedOrbit two({before, after});
+  EXPECT_EQ(two.seams_s(), std::vector<double>{2500.0});
+  EXPECT_LT((two.state(2499.9).position_m - orbit.state(2499.9).position_m).norm(), 1.0);
+  EXPECT_LT((two.state(2500.0).position_m - 2.0 * orbit.state(2500.0).position_m).norm(), 2.0);
+  after.useable_from_s = 3100.0;
+  EXPECT_THROW(TabulatedOrbit({before, after}), InputError);  // a gap
+  after.useable_from_s = 1999.0;
+  EXPECT_THROW(TabulatedOrbit({after}), InputError);
 }
 
 /// All of one torque at t and q, at rest.

@@ -3,14 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/kicked_motion.hpp"
 #include "polhode/motion/theta.hpp"
+#include "polhode/motion/torqued_motion.hpp"
 
 namespace polhode {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kMotionShare = 0.75;  // of the accuracy; the rest is for interpolation between rows
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -49,43 +57,95 @@ double largest_torque(const Torque& torque, double t_s, const FreeBody& body) {
       torque);
 }
 
-/// Integral of the largest torque over the span.
-double largest_impulse(const Torque& torque, const FreeBody& body, double first_s, double last_s) {
-  if (const auto* pulse = std::get_if<ThrusterPulse>(&torque)) {
-    const double on_s = std::min(last_s, pulse->end_s()) - std::max(first_s, pulse->start_s);
-    return std::max(0.0, on_s) * pulse->torque_body.norm();
-  }
-  const Torques alone({torque});
-  double sum = 0.0;
-  for (double t = first_s; t < last_s;) {
-    const double step = std::min({0.02 * alone.time_scale_s(t), last_s - t, 0.25 * (last_s - first_s)});
-    // The larger of the ends, and 5 % for what may lie between them (r changes by 2 % in a step).
-    sum += 1.05 * step * std::max(largest_torque(torque, t, body), largest_torque(torque, t + step, body));
-    t = step < last_s - t ? t + step : last_s;
-  }
-  return sum;
-}
-
-/// rad of attitude per relative change of the momentum, worst of all directions and times of the span.
-double free_sensitivity(const FreeBody& body, double first_s, double last_s) {
-  const ThetaMotion motion(body);
-  const double momentum = body.momentum_body.norm();
-  double worst = 1.0;
-  for (const double size : {1e-7, 1e-4}) {
-    for (int axis = 0; axis < 3; ++axis) {
-      for (const double sign : {-1.0, 1.0}) {
-        FreeBody pushed = body;
-        pushed.momentum_body += sign * size * momentum * Vector3::Unit(axis);
-        const ThetaMotion other(pushed);
-        for (int i = -4; i <= 4; ++i) {
-          const double t = i < 0 ? first_s * i / -4.0 : last_s * i / 4.0;
-          worst = std::max(
-              worst, rotation_angle_rad(motion.at(t).q_inertial_from_body, other.at(t).q_inertial_from_body) / size);
+/// rad of attitude per relative change of the momentum, by the time since the change: worst of all directions, of
+/// several places on the free motion, of both directions of time. Measured, then doubled; grows with time.
+class Sensitivity {
+ public:
+  Sensitivity(const FreeBody& body, double longest_s) : longest_s_(longest_s) {
+    const ThetaMotion whole(body);
+    for (const double place : {0.0, 0.2137, 0.5681}) {
+      const FreeState state = whole.at(place * longest_s);
+      const FreeBody here{body.principal_moments, state.q_inertial_from_body, state.momentum_body};
+      const ThetaMotion motion(here);
+      for (const double size : {1e-7, 1e-4}) {
+        for (int axis = 0; axis < 3; ++axis) {
+          for (const double sign : {-1.0, 1.0}) {
+            FreeBody pushed = here;
+            pushed.momentum_body += sign * size * here.momentum_body.norm() * Vector3::Unit(axis);
+            const ThetaMotion other(pushed);
+            for (std::size_t i = 1; i < by_time_.size(); ++i) {
+              for (const double direction : {-1.0, 1.0}) {
+                const double t_s = direction * time_s(i);
+                const double angle =
+                    rotation_angle_rad(motion.at(t_s).q_inertial_from_body, other.at(t_s).q_inertial_from_body);
+                by_time_[i] = std::max(by_time_[i], angle / size);
+              }
+            }
+          }
         }
       }
     }
+    for (std::size_t i = 0; i < by_time_.size(); ++i) {
+      // sqrt(3): a direction between the axes. A change of momentum alone turns nothing, but may be a turn of it.
+      by_time_[i] = 2.0 * std::sqrt(3.0) * std::max(by_time_[i], 1.0);
+      if (i > 0) by_time_[i] = std::max(by_time_[i], by_time_[i - 1]);
+    }
   }
-  return worst * std::sqrt(3.0);  // a direction between the axes
+
+  /// From above: the value at the next later time that was looked at.
+  double after(double elapsed_s) const {
+    std::size_t i = 0;
+    while (i + 1 < by_time_.size() && time_s(i) < elapsed_s) ++i;
+    return by_time_[i];
+  }
+  double at_the_end() const { return by_time_.back(); }
+
+ private:
+  /// Sixteen times, closer together early.
+  double time_s(std::size_t i) const {
+    const double part = static_cast<double>(i) / static_cast<double>(by_time_.size() - 1);
+    return longest_s_ * part * part;
+  }
+
+  double longest_s_;
+  std::array<double, 17> by_time_{};
+};
+
+struct Push {
+  double impulse = 0.0;     // integral of the largest torque over the span
+  double turned_rad = 0.0;  // at an end, each part of the impulse in the worst direction with the time it has left
+};
+
+/// What the largest torque does from t = 0 to one end of the span.
+Push largest_push(const Torque& torque, const FreeBody& body, double end_s, const Sensitivity& sensitivity) {
+  const double momentum = body.momentum_body.norm(), direction = end_s < 0.0 ? -1.0 : 1.0, length_s = std::abs(end_s);
+  const Torques alone({torque});
+  const double quick_s = body.momentum_body.norm() > 0.0 ? length_s / 64.0 : length_s;
+  std::vector<double> stops_s;  // a pulse begins and ends at a stop
+  for (const double jump_s : alone.jumps_s()) {
+    if (jump_s * direction > 0.0 && std::abs(jump_s) < length_s) stops_s.push_back(std::abs(jump_s));
+  }
+  stops_s.push_back(length_s);
+  std::sort(stops_s.begin(), stops_s.end());
+  Push push;
+  double gone_s = 0.0;
+  for (const double stop_s : stops_s) {
+    while (gone_s < stop_s) {
+      const double step_s = std::min({0.02 * alone.time_scale_s(direction * gone_s), stop_s - gone_s, quick_s});
+      const double next_s = step_s < stop_s - gone_s ? gone_s + step_s : stop_s;
+      // The larger of the ends, and 5 % for what may lie between them (r changes by 2 % in a step). A pulse is constant
+      // between its stops, so that its middle counts.
+      const double largest = std::holds_alternative<ThrusterPulse>(torque)
+                                 ? largest_torque(torque, direction * 0.5 * (gone_s + next_s), body)
+                                 : 1.05 * std::max(largest_torque(torque, direction * gone_s, body),
+                                                   largest_torque(torque, direction * next_s, body));
+      const double impulse = largest * (next_s - gone_s);
+      push.impulse += impulse;
+      push.turned_rad += impulse / momentum * sensitivity.after(length_s - gone_s);
+      gone_s = next_s;
+    }
+  }
+  return push;
 }
 
 /// Which chart of the free motion is enough, and why. All are the same exact series; this is for people.
@@ -121,19 +181,26 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   Plan plan;
   const double momentum = body.momentum_body.norm();
   const double rate_rad_s = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
-  plan.sensitivity = momentum > 0.0 ? free_sensitivity(body, first_s, last_s) : std::numeric_limits<double>::infinity();
+  const double budget_rad = kMotionShare * accuracy_rad, span_s = last_s - first_s;
+  std::optional<Sensitivity> sensitivity;
+  if (momentum > 0.0 && span_s > 0.0) sensitivity.emplace(body, std::max(last_s, -first_s));
+  plan.sensitivity = sensitivity ? sensitivity->at_the_end() : momentum > 0.0 ? 1.0 : kInfinity;
 
   std::vector<std::size_t> by_size;
   for (const Torque& torque : torques.list()) {
     PlannedEffect effect;
     effect.name = torque_name(torque);
     if (momentum > 0.0) {
-      const double impulse = largest_impulse(torque, body, first_s, last_s);
-      effect.secular_rad = 2.0 * plan.sensitivity * impulse / momentum;
-      const double span_s = std::max(last_s - first_s, 1e-300);
-      effect.periodic_rad = impulse / span_s / (momentum * rate_rad_s);
+      double impulse = 0.0;
+      for (const double end_s : {first_s, last_s}) {
+        if (end_s == 0.0) continue;
+        const Push push = largest_push(torque, body, end_s, *sensitivity);
+        impulse += push.impulse;
+        effect.secular_rad = std::max(effect.secular_rad, push.turned_rad);
+      }
+      effect.periodic_rad = span_s > 0.0 ? impulse / span_s / (momentum * rate_rad_s) : 0.0;
     } else {
-      effect.secular_rad = effect.periodic_rad = std::numeric_limits<double>::infinity();
+      effect.secular_rad = effect.periodic_rad = kInfinity;
     }
     by_size.push_back(plan.effects.size());
     plan.effects.push_back(std::move(effect));
@@ -143,11 +210,12 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   std::vector<Torque> kept;
   for (const std::size_t i : by_size) {  // the smallest first, while they fit into half the accuracy
     PlannedEffect& effect = plan.effects[i];
-    effect.kept = full || !(plan.dropped_rad + effect.secular_rad <= 0.5 * accuracy_rad);
+    effect.kept = full || !(plan.dropped_rad + effect.secular_rad <= 0.5 * budget_rad);
     if (effect.kept) {
-      effect.why = full ? "everything was asked for" : "its bound is above what is left of half the accuracy";
+      effect.why = full ? "everything was asked for"
+                        : fmt::format("may turn it by more than {:.1e} rad", 0.5 * budget_rad - plan.dropped_rad);
     } else {
-      effect.why = "below half the accuracy, with all that is dropped";
+      effect.why = "within what may be dropped, with all that is dropped";
       plan.dropped_rad += effect.secular_rad;
     }
   }
@@ -161,11 +229,23 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
     return plan;
   }
 
-  plan.tolerance_rad = full ? std::min(1e-9, 0.5 * accuracy_rad) : 0.5 * accuracy_rad;
+  // What is not spent on dropped effects is left for the propagation.
+  plan.tolerance_rad = full ? std::min(1e-9, budget_rad) : budget_rad - plan.dropped_rad;
   plan.error_rad = plan.dropped_rad + plan.tolerance_rad;
+  if (!full) {
+    const KickedOptions kicked{plan.tolerance_rad, first_s, last_s};
+    if (const auto evaluations = KickedMotion::predicted_evaluations(body, plan.kept, kicked)) {
+      plan.few_kicks = true;
+      plan.torque_evaluations = *evaluations;
+      plan.model = "splitting, few kicks per turn";
+      plan.why = fmt::format("{:.2g} torque evaluations per turn suffice for {:.1e} rad",
+                             *evaluations * 2.0 * std::numbers::pi / (rate_rad_s * span_s), plan.tolerance_rad);
+      return plan;
+    }
+  }
   // A trial over the first hundredth, but a few turns at least, tells the method and the cost.
-  const double least_s = rate_rad_s > 0.0 ? 20.0 / rate_rad_s : last_s - first_s;
-  const double share = std::min(1.0, std::max(0.01, least_s / std::max(last_s - first_s, 1e-300)));
+  const double least_s = rate_rad_s > 0.0 ? 20.0 / rate_rad_s : span_s;
+  const double share = std::min(1.0, std::max(0.01, least_s / std::max(span_s, 1e-300)));
   const TorquedMotion trial(body, plan.kept, {plan.tolerance_rad, share * first_s, share * last_s});
   plan.model = trial.method();
   plan.why = fmt::format("steps chosen for {:.1e} rad", plan.tolerance_rad);
@@ -173,14 +253,23 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   return plan;
 }
 
-std::unique_ptr<FreeMotion> planned_motion(const Plan& plan, const FreeBody& body, double first_s, double last_s) {
-  if (plan.kept.empty()) return std::make_unique<ThetaMotion>(body);
+PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double first_s, double last_s) {
+  if (plan.kept.empty()) return {std::make_unique<ThetaMotion>(body), 0.0, 0};
+  if (plan.few_kicks) {
+    if (auto motion = KickedMotion::make(body, plan.kept, {plan.tolerance_rad, first_s, last_s})) {
+      const double error_rad = motion->error_rad();
+      const std::size_t evaluations = motion->torque_evaluations();
+      return {std::move(motion), error_rad, evaluations};
+    }
+  }
   auto motion = std::make_unique<TorquedMotion>(body, plan.kept, TorquedOptions{plan.tolerance_rad, first_s, last_s});
   if (motion->outcome() != Outcome::done) {
     throw ComputationError(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was planned",
                                        outcome_name(motion->outcome()), motion->error_rad(), plan.tolerance_rad));
   }
-  return motion;
+  const double error_rad = motion->error_rad();
+  const std::size_t evaluations = motion->torque_evaluations();
+  return {std::move(motion), error_rad, evaluations};
 }
 
 double phase_horizon_s(const FreeBody& body, double relative_period_uncertainty, double accuracy_rad) {

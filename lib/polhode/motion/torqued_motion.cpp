@@ -11,13 +11,18 @@
 namespace polhode {
 namespace {
 
+constexpr std::string_view kVariation = "variation";
 constexpr std::string_view kExtrapolation = "extrapolation";
 constexpr std::string_view kAuto = "auto";
-constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel and the error estimate are made for
-constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
+constexpr double kLongestTurn_rad = 6.0;    // of one step: about what the kernel and the error estimate are made for
+constexpr double kSafety = 5.0;             // two runs that differ by rounding tell its size no better
+constexpr double kSafetyOfVariation = 1.5;  // which gains more from run to run
 constexpr int kMostRefinements = 8;
 constexpr double kFewestKicksPerRadian = 10.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
+// Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
+constexpr double kPhaseOfTolerance_rad = 300.0;
+constexpr double kFinerVariation = 1.0 / 16.0;
 
 ExtendedState extended(const FreeState& state) {
   return {state.q_inertial_from_body.cast<long double>(), state.momentum_body.cast<long double>()};
@@ -53,8 +58,11 @@ std::string_view outcome_name(Outcome outcome) {
 /// Makes paths; what they share while they are made.
 class TorquedMotion::Builder {
  public:
-  Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, const SplittingScheme* scheme)
-      : options_(options), scheme_(scheme), moments_(body.principal_moments) {
+  Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, std::string_view method)
+      : options_(options),
+        variation_(method == kVariation),
+        scheme_(variation_ || method == kExtrapolation ? nullptr : &splitting_scheme(method)),
+        moments_(body.principal_moments) {
     start_ = {body.q_inertial_from_body.cast<long double>().normalized(), body.momentum_body.cast<long double>()};
     for (const bool forward : {true, false}) {
       const double end_s = forward ? options.last_s : options.first_s;
@@ -66,7 +74,8 @@ class TorquedMotion::Builder {
       std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
       double from_s = 0.0;
       for (const double to_s : ends) {
-        (forward ? forward_ : backward_).push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}});
+        (forward ? forward_ : backward_)
+            .push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}, nullptr});
         from_s = to_s;
       }
     }
@@ -95,10 +104,73 @@ class TorquedMotion::Builder {
     return extended(run.state());
   }
 
-  /// Paths both ways whose steps were chosen for this local tolerance. False if the limit of evaluations ended it.
-  bool choose_steps(double tolerance_rad, Path& forward, Path& backward) {
+  /// Paths whose steps were chosen for this local tolerance. False if the limit of evaluations ended it, or the method
+  /// is of no use here.
+  bool first_paths(double tolerance_rad, Path& forward, Path& backward) {
+    tolerance_rad_ = tolerance_rad;
     forward = forward_, backward = backward_;
-    return choose_steps(tolerance_rad, forward) && choose_steps(tolerance_rad, backward);
+    return variation_ ? vary(forward) && vary(backward) : choose_steps(forward) && choose_steps(backward);
+  }
+
+  /// The same paths, finer; false as above.
+  bool finer_paths(const Path& forward, const Path& backward, Path& finer_forward, Path& finer_backward) {
+    if (variation_) return first_paths(kFinerVariation * tolerance_rad_, finer_forward, finer_backward);
+    return halve(forward, finer_forward) && halve(backward, finer_backward);
+  }
+
+  /// Largest angle between a path and the finer one, at the ends of the steps of the coarse one; NaN if one is.
+  double difference_rad(const Path& coarse, const Path& fine) const {
+    double worst = 0.0;
+    const auto compare = [&worst](const ExtendedState& a, const ExtendedState& b) {
+      const double angle = angle_rad(a, b);
+      if (!(angle <= worst) && !std::isnan(worst)) worst = angle;
+    };
+    for (std::size_t l = 0; l < coarse.size(); ++l) {
+      if (const Variation* variation = coarse[l].variation.get()) {
+        for (std::size_t i = 0; i < variation->windows(); ++i) {
+          const double t_s = variation->window_end_s(i);
+          compare(extended(variation->at(t_s)), extended(fine[l].variation->at(t_s)));
+        }
+        continue;
+      }
+      for (std::size_t i = 0; i < coarse[l].nodes.size(); ++i) {
+        compare(coarse[l].nodes[i].state, fine[l].nodes[2 * i].state);
+      }
+    }
+    return worst;
+  }
+
+  double rounding_rad(const Path& path) const {
+    double phase_rad = 0.0;
+    std::size_t steps = 0;
+    for (const Leg& leg : path) {
+      for (std::size_t i = 1; i < leg.nodes.size(); ++i) {
+        const Vector3 omega = leg.nodes[i].state.momentum_body.cast<double>().cwiseQuotient(moments_);
+        phase_rad += omega.norm() * std::abs(leg.nodes[i].t_s - leg.nodes[i - 1].t_s);
+      }
+      steps += leg.nodes.size();
+    }
+    const double kicks = scheme_ == nullptr ? 1.0 : static_cast<double>(scheme_->kicks);
+    return polhode::rounding_rad(phase_rad, kicks * static_cast<double>(steps));
+  }
+
+  std::size_t evaluations() const { return evaluations_; }
+
+ private:
+  bool vary(Path& path) {
+    ExtendedState state = start_;
+    for (Leg& leg : path) {
+      const FreeState start = plain(state);
+      const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
+      leg.variation = std::make_shared<const Variation>(
+          FreeBody{moments_, start.q_inertial_from_body, start.momentum_body}, from_s, to_s, leg.torques,
+          tolerance_rad_, options_.max_torque_evaluations - evaluations_);
+      evaluations_ += leg.variation->torque_evaluations();
+      state = extended(leg.variation->at(leg.variation->reached_s()));
+      leg.nodes = {{from_s, extended(start)}, {leg.variation->reached_s(), state}};
+      if (!leg.variation->whole()) return false;
+    }
+    return true;
   }
 
   /// The same path with every step in two; false as above.
@@ -137,36 +209,7 @@ class TorquedMotion::Builder {
     return true;
   }
 
-  /// Largest angle between a path and its halved one, at their common times.
-  static double difference_rad(const Path& coarse, const Path& fine) {
-    double worst = 0.0;
-    for (std::size_t l = 0; l < coarse.size(); ++l) {
-      for (std::size_t i = 0; i < coarse[l].nodes.size(); ++i) {
-        const double angle = angle_rad(coarse[l].nodes[i].state, fine[l].nodes[2 * i].state);
-        worst = angle <= worst ? worst : angle;  // a NaN stays
-      }
-    }
-    return worst;
-  }
-
-  double rounding_rad(const Path& path) const {
-    double phase_rad = 0.0;
-    std::size_t steps = 0;
-    for (const Leg& leg : path) {
-      for (std::size_t i = 1; i < leg.nodes.size(); ++i) {
-        const Vector3 omega = leg.nodes[i].state.momentum_body.cast<double>().cwiseQuotient(moments_);
-        phase_rad += omega.norm() * std::abs(leg.nodes[i].t_s - leg.nodes[i - 1].t_s);
-      }
-      steps += leg.nodes.size();
-    }
-    const double kicks = scheme_ == nullptr ? 1.0 : static_cast<double>(scheme_->kicks);
-    return polhode::rounding_rad(phase_rad, kicks * static_cast<double>(steps));
-  }
-
-  std::size_t evaluations() const { return evaluations_; }
-
- private:
-  bool choose_steps(double tolerance_rad, Path& path) {
+  bool choose_steps(Path& path) {
     ExtendedState state = start_;
     const double end_s = path.back().nodes.back().t_s;
     for (Leg& leg : path) {
@@ -213,7 +256,7 @@ class TorquedMotion::Builder {
         // Local errors of a symmetric method hardly add up: their share falls with the root of the number of steps.
         // Below the rounding of a step there is nothing to gain.
         const double rounding = (scheme_ == nullptr ? 3e-18 / 1000.0 : 5e-15 / 60.0) * weight;
-        const double allowed = std::max(tolerance_rad * std::sqrt(length_s / std::abs(end_s)), rounding);
+        const double allowed = std::max(tolerance_rad_ * std::sqrt(length_s / std::abs(end_s)), rounding);
         if (evaluations_ > options_.max_torque_evaluations) return false;
         const bool good = error <= allowed && turned_rad <= 2.0 * kLongestTurn_rad;
         const double exponent = scheme_ == nullptr ? 1.0 / 15.0 : 1.0 / 7.0;
@@ -229,8 +272,10 @@ class TorquedMotion::Builder {
   }
 
   const TorquedOptions& options_;
-  const SplittingScheme* scheme_;
+  bool variation_;
+  const SplittingScheme* scheme_;  // null: variation or extrapolation
   Vector3 moments_;
+  double tolerance_rad_ = 0.0;  // of the finest paths so far
   ExtendedState start_;
   Path forward_, backward_;  // one leg per stretch between jumps, with its two ends as nodes
   std::size_t evaluations_ = 0;
@@ -245,55 +290,60 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     throw InputError(
         fmt::format("the span is {} s to {} s, a finite one that holds 0 is wanted", options.first_s, options.last_s));
   }
-  const bool choose = options.method == kAuto;
-  if (options.method != kExtrapolation) scheme_ = &splitting_scheme(choose ? "near-10-6-4" : options.method);
+  // What "auto" tries in turn; a method of the caller's choice stands alone.
+  std::vector<std::string_view> methods{options.method};
   const double phase_rad =
       body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
-  if (choose && rounding_rad(phase_rad, kFewestKicksPerRadian * phase_rad) > options.tolerance_rad) scheme_ = nullptr;
-
-  for (;;) {
-    Builder builder(body, torques, options, scheme_);
-    const auto keep = [&](Path& forward, Path& backward, std::size_t evaluations) {
-      // Each round has paths of its own.
-      forward_ = std::move(forward);    // NOLINT(clang-analyzer-cplusplus.Move)
-      backward_ = std::move(backward);  // NOLINT(clang-analyzer-cplusplus.Move)
-      kept_evaluations_ = evaluations;
-      first_s_ = backward_.back().nodes.back().t_s;
-      last_s_ = forward_.back().nodes.back().t_s;
-    };
-    method_ = scheme_ == nullptr ? kExtrapolation : scheme_->name;
+  if (options.method == kAuto) {
+    methods = {kVariation, kExtrapolation};
+    if (rounding_rad(phase_rad, kFewestKicksPerRadian * phase_rad) > options.tolerance_rad) methods = {kExtrapolation};
+  }
+  for (const std::string_view name : methods) {
+    const bool last = name == methods.back();
+    Builder builder(body, torques, options, name);
+    method_ = name;
+    scheme_ = name == kVariation || name == kExtrapolation ? nullptr : &splitting_scheme(name);
     Path forward, backward;
-    bool whole = builder.choose_steps(options.tolerance_rad, forward, backward);
-    bool hopeless = choose && scheme_ != nullptr &&
-                    std::max(builder.rounding_rad(forward), builder.rounding_rad(backward)) > options.tolerance_rad;
+    bool whole = builder.first_paths(
+        options.tolerance_rad / (name == kVariation ? 1.0 + phase_rad / kPhaseOfTolerance_rad : 1.0), forward,
+        backward);
+    std::size_t kept_from = 0;
+    int poor = 0;  // steps of refinement that gained little
     error_rad_ = std::numeric_limits<double>::infinity();
     outcome_ = Outcome::tolerance_not_reachable;
+    bool hopeless = !last && scheme_ != nullptr &&
+                    std::max(builder.rounding_rad(forward), builder.rounding_rad(backward)) > options.tolerance_rad;
     for (int refinement = 0; whole && !hopeless && refinement < kMostRefinements; ++refinement) {
       Path finer_forward, finer_backward;
       const std::size_t before = builder.evaluations();
-      whole = builder.halve(forward, finer_forward) && builder.halve(backward, finer_backward);
+      whole = builder.finer_paths(forward, backward, finer_forward, finer_backward);
       if (!whole) break;
+      kept_from = before;
       const double difference =
-          std::max(Builder::difference_rad(forward, finer_forward), Builder::difference_rad(backward, finer_backward));
-      // Halving gains a factor of 16 at the least, from where the runs are near each other until rounding shows.
-      hopeless = difference < 0.1 && !(difference < 0.5 * error_rad_);
+          std::max(builder.difference_rad(forward, finer_forward), builder.difference_rad(backward, finer_backward));
+      // Finer steps gain a factor of ten and more from where the runs are near each other, until rounding shows.
+      poor += difference < 0.1 && !(difference < 0.5 * error_rad_);
+      hopeless = poor >= 2 || (difference < 0.1 && !(difference < 2.0 * error_rad_));
       error_rad_ = difference;
+
       forward = std::move(finer_forward), backward = std::move(finer_backward);
-      if (difference <= options.tolerance_rad / kSafety) {
+      if (difference <= options.tolerance_rad / (name == kVariation ? kSafetyOfVariation : kSafety)) {
         outcome_ = Outcome::done;
-        keep(forward, backward, builder.evaluations() - before);
         break;
       }
     }
     evaluations_ += builder.evaluations();
-    if (outcome_ == Outcome::done) break;
-    if (whole && choose && scheme_ != nullptr) {  // doubles cannot do it
-      scheme_ = nullptr;
-      continue;
+    const bool out_of_evaluations = evaluations_ >= options.max_torque_evaluations;
+    if (outcome_ != Outcome::done) {
+      if (!last && !out_of_evaluations) continue;
+      if (!whole) outcome_ = Outcome::stopped;
+      if (error_rad_ <= options.tolerance_rad) outcome_ = Outcome::done;  // with less margin than was aimed at
     }
-    if (!whole) outcome_ = Outcome::stopped;
-    if (error_rad_ <= options.tolerance_rad) outcome_ = Outcome::done;  // with less margin than was aimed at
-    keep(forward, backward, builder.evaluations());
+    forward_ = std::move(forward);
+    backward_ = std::move(backward);
+    kept_evaluations_ = builder.evaluations() - kept_from;
+    first_s_ = backward_.back().nodes.back().t_s;
+    last_s_ = forward_.back().nodes.back().t_s;
     break;
   }
 }
@@ -301,7 +351,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
 std::size_t TorquedMotion::steps() const {
   std::size_t count = 0;
   for (const Path* path : {&forward_, &backward_}) {
-    for (const Leg& leg : *path) count += leg.nodes.size() - 1;
+    for (const Leg& leg : *path) count += leg.variation ? leg.variation->windows() : leg.nodes.size() - 1;
   }
   return count;
 }
@@ -316,6 +366,7 @@ FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
   const double away_s = std::abs(t_high_s);
   const Leg& leg =
       *std::find_if(path.begin(), path.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.nodes.back().t_s); });
+  if (leg.variation) return leg.variation->at(t_high_s, t_low_s);
   const auto after = std::upper_bound(leg.nodes.begin(), leg.nodes.end(), away_s,
                                       [](double t, const Node& node) { return t < std::abs(node.t_s); });
   const Node& node = *(after == leg.nodes.begin() ? after : after - 1);

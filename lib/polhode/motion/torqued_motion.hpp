@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "polhode/motion/extrapolation.hpp"
 #include "polhode/motion/motion.hpp"
 #include "polhode/motion/splitting.hpp"
+#include "polhode/motion/variation.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
@@ -23,8 +25,9 @@ struct TorquedOptions {
   double tolerance_rad = 1e-9;
   /// The span, which holds t = 0.
   double first_s = 0.0, last_s = 0.0;
-  /// "auto": the near-integrable scheme (10,6,4) around the exact motion while doubles can meet the tolerance, else
-  /// extrapolation in long double; or one of splitting_schemes() by name; or "extrapolation".
+  /// "variation": variation of constants around the exact motion; one of splitting_schemes() by name; "extrapolation"
+  /// in long double; or "auto": variation where the torques are small enough for it, else the splitting scheme
+  /// (10,6,4), and extrapolation where doubles cannot meet the tolerance.
   std::string_view method = "auto";
   /// Of all runs together.
   std::size_t max_torque_evaluations = 100'000'000;
@@ -32,12 +35,12 @@ struct TorquedOptions {
 
 /// The motion of a rigid body under torques, from t = 0 both ways, computed once and answered at any time.
 ///
-/// The length of a step is chosen by doubling: each is done whole and in halves, and the difference, weighted by how a
-/// change of momentum grows until the end, must stay below its share of the tolerance. That says nothing about how
-/// errors grow on a chaotic path, so the whole span is then done again with all steps halved, until two such runs agree
+/// Steps are chosen by an estimate of their error, weighted by how a change of momentum grows until the end: by the
+/// last Chebyshev coefficients (variation), or by doing each step whole and in halves (splitting). That says nothing
+/// about how errors grow on a chaotic path, so the whole span is then done again, finer, until two such runs agree
 /// within the tolerance; error_rad() is their difference (the finer one is kept, whose error is smaller still). Where
-/// rounding keeps them apart, extrapolation in long double takes over. Between the ends of steps a state is a shorter
-/// step of the same method from the last end: full order everywhere.
+/// rounding keeps them apart, extrapolation in long double takes over. Between the ends of steps a state comes from the
+/// polynomials of the variation, or is a shorter step of the same method from the last end: full order everywhere.
 class TorquedMotion final : public FreeMotion {
  public:
   /// Throws InputError for a span without 0, a tolerance that is not positive, an unknown method.
@@ -64,12 +67,13 @@ class TorquedMotion final : public FreeMotion {
   struct Leg {
     Torques torques;
     std::vector<Node> nodes;
+    std::shared_ptr<const Variation> variation;  ///< then the nodes are its ends
   };
   using Path = std::vector<Leg>;  // one direction, from t = 0 outward
   class Builder;
 
   Vector3 moments_;
-  const SplittingScheme* scheme_ = nullptr;  // null: extrapolation
+  const SplittingScheme* scheme_ = nullptr;  // null: variation or extrapolation
   Path forward_, backward_;
   double first_s_ = 0.0, last_s_ = 0.0;
   Outcome outcome_ = Outcome::done;

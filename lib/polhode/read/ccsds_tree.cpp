@@ -13,7 +13,9 @@ namespace polhode {
 namespace {
 
 constexpr std::array<std::string_view, 3> attitude_kinds{"APM", "AEM", "ACM"};
-constexpr std::array<std::string_view, 9> other_kinds{"OPM", "OMM", "OEM", "OCM", "TDM", "CDM", "RDM", "PRM", "NDM"};
+constexpr std::array<std::string_view, 1> orbit_kinds{"OEM"};
+constexpr std::array<std::string_view, 12> all_kinds{"APM", "AEM", "ACM", "OPM", "OMM", "OEM",
+                                                     "OCM", "TDM", "CDM", "RDM", "PRM", "NDM"};
 
 template <typename List>
 bool contains(const List& list, std::string_view item) {
@@ -30,10 +32,16 @@ std::string_view kind_of(std::string_view keyword) {
   return keyword.substr(6, 3);
 }
 
-void check_kind(std::string_view kind, const SourceLocation& where) {
-  if (contains(attitude_kinds, kind)) return;
-  throw InputError(where,
-                   fmt::format("a {} message, which holds no attitude; attitude messages are APM, AEM and ACM", kind));
+bool is_wanted(std::string_view kind, CcsdsContent content) {
+  return content == CcsdsContent::attitude ? contains(attitude_kinds, kind) : contains(orbit_kinds, kind);
+}
+
+void check_kind(std::string_view kind, CcsdsContent content, const SourceLocation& where) {
+  if (is_wanted(kind, content)) return;
+  throw InputError(
+      where, content == CcsdsContent::attitude
+                 ? fmt::format("a {} message, which holds no attitude; attitude messages are APM, AEM and ACM", kind)
+                 : fmt::format("a {} message, which holds no trajectory; an OEM is wanted", kind));
 }
 
 // --- KVN ---------------------------------------------------------------------------------------------------------
@@ -92,7 +100,7 @@ constexpr std::array<std::string_view, 4> apm_metadata_keywords{"OBJECT_NAME", "
 /// there the keywords tell.
 class KvnBuilder {
  public:
-  explicit KvnBuilder(const std::string& name) : name_(name) {}
+  KvnBuilder(const std::string& name, CcsdsContent content) : name_(name), content_(content) {}
 
   void take(KvnLine line) {
     const std::size_t number = line.kind == KvnLine::Kind::row ? line.row.line : line.entry.line;
@@ -100,7 +108,7 @@ class KvnBuilder {
       const std::string_view kind =
           line.kind == KvnLine::Kind::entry ? kind_of(line.entry.keyword) : std::string_view{};
       if (kind.empty()) throw InputError({name_, number}, "the first line must be CCSDS_xxx_VERS = version");
-      check_kind(kind, {name_, number});
+      check_kind(kind, content_, {name_, number});
       message_.kind = kind;
       message_.version = line.entry.value;
       message_.header.name = "header";
@@ -120,8 +128,13 @@ class KvnBuilder {
         here(line.entry.keyword, number).entries.push_back(std::move(line.entry));
         return;
       case KvnLine::Kind::row:
-        if (open_.empty()) throw InputError({name_, number}, "neither 'keyword = value' nor a line of a data block");
-        open_.back().rows.push_back(std::move(line.row));
+        if (!open_.empty()) {
+          open_.back().rows.push_back(std::move(line.row));
+        } else if (message_.kind == "OEM" && !message_.segments.empty()) {  // its states stand in no block
+          message_.segments.back().data.rows.push_back(std::move(line.row));
+        } else {
+          throw InputError({name_, number}, "neither 'keyword = value' nor a line of a data block");
+        }
         return;
     }
   }
@@ -201,12 +214,13 @@ class KvnBuilder {
   }
 
   const std::string& name_;
+  CcsdsContent content_;
   CcsdsMessage message_;
   std::vector<CcsdsBlock> open_;
 };
 
-CcsdsFile parse_kvn(std::string_view text, const std::string& name) {
-  KvnBuilder builder(name);
+CcsdsFile parse_kvn(std::string_view text, const std::string& name, CcsdsContent content) {
+  KvnBuilder builder(name, content);
   std::size_t number = 0;
   while (!text.empty()) builder.take(kvn_line(take_line(text), ++number, name));
   CcsdsFile file;
@@ -266,7 +280,7 @@ constexpr std::array<std::string_view, 21> wrappers{"quaternion",
 
 class XmlBuilder {
  public:
-  XmlBuilder(std::string_view text, const std::string& name) : name_(name) {
+  XmlBuilder(std::string_view text, const std::string& name, CcsdsContent content) : name_(name), content_(content) {
     for (std::size_t i = 0; i < text.size(); ++i) {
       if (text[i] == '\n') line_ends_.push_back(i);
     }
@@ -287,15 +301,17 @@ class XmlBuilder {
     }
     for (const pugi::xml_node child : elements(root)) {
       const std::string child_kind = upper_case(local_name(child));
-      if (contains(attitude_kinds, child_kind)) {
+      if (is_wanted(child_kind, content_)) {
         file.messages.push_back(message(child, child_kind));
-      } else if (contains(other_kinds, child_kind)) {
+      } else if (contains(all_kinds, child_kind)) {
         file.other_messages.push_back(child_kind);
       } else if (child_kind != "COMMENT" && child_kind != "MESSAGE_ID") {
         fail(child, fmt::format("<{}> is no message that an NDM may hold", child.name()));
       }
     }
-    if (file.messages.empty()) fail(root, "the NDM holds no APM, AEM or ACM");
+    if (file.messages.empty()) {
+      fail(root, content_ == CcsdsContent::attitude ? "the NDM holds no APM, AEM or ACM" : "the NDM holds no OEM");
+    }
     return file;
   }
 
@@ -327,7 +343,7 @@ class XmlBuilder {
   }
 
   CcsdsMessage message(const pugi::xml_node& node, const std::string& kind) {
-    check_kind(kind, {name_, line_of(node)});
+    check_kind(kind, content_, {name_, line_of(node)});
     CcsdsMessage m;
     m.kind = kind;
     m.xml = true;
@@ -363,6 +379,18 @@ class XmlBuilder {
     s.metadata = block(parts[0], "META");
     s.data.name = "data";
     s.data.line = line_of(parts[1]);
+    if (kind == "OEM") {
+      for (const pugi::xml_node& child : elements(parts[1])) {
+        const std::string_view name = local_name(child);
+        if (name == "COMMENT" || name == "covarianceMatrix") continue;
+        if (name != "stateVector") fail(child, fmt::format("<{}> where <stateVector> is wanted", child.name()));
+        CcsdsRow row;
+        row.line = line_of(child);
+        flatten(child, row.cells, 0);
+        s.data.rows.push_back(std::move(row));
+      }
+      return s;
+    }
     if (kind == "AEM") {
       CcsdsBlock rows;
       rows.name = "DATA";
@@ -450,6 +478,7 @@ class XmlBuilder {
   }
 
   const std::string& name_;
+  CcsdsContent content_;
   pugi::xml_document document_;
   std::vector<std::size_t> line_ends_;
 };
@@ -476,16 +505,16 @@ bool is_ccsds(std::string_view text) {
     tag = tag.substr(0, tag.find_first_of(" \t\r\n/>"));
     const std::size_t colon = tag.find(':');
     const std::string kind = upper_case(colon == std::string_view::npos ? tag : tag.substr(colon + 1));
-    return contains(attitude_kinds, kind) || contains(other_kinds, kind);
+    return contains(all_kinds, kind);
   }
   return false;
 }
 
-CcsdsFile parse_ccsds(std::string_view text, const std::string& name) {
-  const std::string_view content = without_mark(text);
-  const std::size_t first = content.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && content[first] == '<') return XmlBuilder(text, name).build();
-  return parse_kvn(content, name);
+CcsdsFile parse_ccsds(std::string_view text, const std::string& name, CcsdsContent content) {
+  const std::string_view unmarked = without_mark(text);
+  const std::size_t first = unmarked.find_first_not_of(" \t\r\n");
+  if (first != std::string_view::npos && unmarked[first] == '<') return XmlBuilder(text, name, content).build();
+  return parse_kvn(unmarked, name, content);
 }
 
 }  // namespace polhode

@@ -35,16 +35,20 @@ struct CcsdsSegment {
   CcsdsBlock data;
 };
 
-/// An attitude message, the same from KVN (CCSDS 504.0-B-2 section 6) and from XML (section 7).
+/// A message, the same from KVN (CCSDS 504.0-B-2 section 6, 502.0-B-3 section 7) and from XML (section 7 and 8). The
+/// states of an OEM are the rows of its `data`.
 struct CcsdsMessage {
-  std::string kind;     ///< "APM", "AEM" or "ACM"
+  std::string kind;     ///< "APM", "AEM", "ACM" or "OEM"
   std::string version;  ///< as written
   bool xml = false;
   CcsdsBlock header;  ///< its line is that of the version
   std::vector<CcsdsSegment> segments;
 };
 
-/// The attitude messages of a file, and what else a combined message holds.
+/// Which messages are wanted: attitude (APM, AEM, ACM), or trajectories (OEM).
+enum class CcsdsContent { attitude, orbit };
+
+/// The wanted messages of a file, and what else a combined message holds.
 struct CcsdsFile {
   std::vector<CcsdsMessage> messages;
   std::vector<std::string> other_messages;  ///< "OPM" … in an NDM, not read
@@ -55,7 +59,7 @@ bool is_ccsds(std::string_view text);
 
 /// Splits a file into messages, segments, blocks and entries, without regard to which keywords may stand where. Throws
 /// InputError with file and line: lines that are neither `keyword = value`, comment, start or stop of a block nor data;
-/// blocks that do not nest; broken XML; elements that no message has; a kind of message other than APM, AEM and ACM.
-CcsdsFile parse_ccsds(std::string_view text, const std::string& name);
+/// blocks that do not nest; broken XML; elements that no message has; a kind of message that is not wanted.
+CcsdsFile parse_ccsds(std::string_view text, const std::string& name, CcsdsContent content = CcsdsContent::attitude);
 
 }  // namespace polhode

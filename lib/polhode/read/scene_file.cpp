@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <functional>
+#include <map>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/body.hpp"
@@ -11,18 +13,72 @@
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/toml_table.hpp"
+#include "polhode/read/trajectory_file.hpp"
+#include "polhode/time/scale.hpp"
 
 namespace polhode {
 namespace {
 
-KeplerElements read_orbit(const TomlTable& table) {
-  const TomlTable orbit = table.table("orbit");
-  orbit.allow_only({"mu_m3_s2", "periapsis_m", "eccentricity", "periapsis_after_epoch_s", "to_periapsis", "normal"});
-  const KeplerElements elements{orbit.number("mu_m3_s2"),      orbit.number("periapsis_m"),
-                                orbit.number("eccentricity"),  orbit.number("periapsis_after_epoch_s"),
-                                orbit.vector3("to_periapsis"), orbit.vector3("normal")};
-  orbit.located("mu_m3_s2", [&] { return KeplerOrbit(elements); });  // refuses what is no orbit
-  return elements;
+/// [orbit.NAME]: how the body moves about the mass of that name.
+struct Orbit {
+  double mu_m3_s2;
+  Trajectory trajectory;
+};
+using Orbits = std::map<std::string, Orbit, std::less<>>;
+
+Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, const Scene& scene,
+                              const std::filesystem::path& folder) {
+  table.allow_only({"mu_m3_s2", "trajectory", "trajectory_frame"});
+  TrajectoryRequest request;
+  request.centre = name;
+  request.frame = scene.frame;
+  if (const auto frame_name = table.optional_text("trajectory_frame")) {
+    request.table_frame = table.located("trajectory_frame", [&] { return frame(*frame_name); });
+  }
+  request.zero = scene.body.state->epoch;
+  TabulatedOrbit orbit = read_trajectory((folder / table.text("trajectory")).string(), request);
+  if (!(orbit.first_s() <= scene.first_s && scene.last_s <= orbit.last_s())) {
+    const auto date = [&](double t_s) { return format_date(request.zero + Seconds{t_s, 0.0}, TimeScale::tdb, 0); };
+    throw table.error("trajectory",
+                      fmt::format("it covers {} to {} TDB, the scene lasts from {} to {}", date(orbit.first_s()),
+                                  date(orbit.last_s()), date(scene.first_s), date(scene.last_s)));
+  }
+  return Trajectory(std::move(orbit));
+}
+
+Orbit read_orbit(const TomlTable& table, const std::string& name, const Scene& scene,
+                 const std::filesystem::path& folder) {
+  const double mu_m3_s2 = table.number("mu_m3_s2");
+  if (!(mu_m3_s2 > 0.0)) throw table.error("mu_m3_s2", fmt::format("found {}, a positive number is wanted", mu_m3_s2));
+  if (table.has("trajectory")) return {mu_m3_s2, read_trajectory_of(table, name, scene, folder)};
+  table.allow_only({"mu_m3_s2", "periapsis_m", "eccentricity", "periapsis_after_epoch_s", "to_periapsis", "normal"});
+  const KeplerElements elements{mu_m3_s2,
+                                table.number("periapsis_m"),
+                                table.number("eccentricity"),
+                                table.number("periapsis_after_epoch_s"),
+                                table.vector3("to_periapsis"),
+                                table.vector3("normal")};
+  return {mu_m3_s2, table.located("mu_m3_s2", [&] { return Trajectory(elements); })};  // refuses what is no orbit
+}
+
+Orbits read_orbits(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder) {
+  Orbits orbits;
+  if (!root.has("orbit")) return orbits;
+  const TomlTable tables = root.table("orbit");
+  for (const std::string& name : tables.keys()) {
+    orbits.emplace(name, read_orbit(tables.table(name), name, scene, folder));
+  }
+  return orbits;
+}
+
+/// The orbit that a torque names.
+const Orbit& orbit_of(const TomlTable& torque, const Orbits& orbits) {
+  const std::string name = torque.text("orbit");
+  const auto found = orbits.find(name);
+  if (found == orbits.end()) {
+    throw torque.error("orbit", fmt::format("found '{:.40}', but the scene has no table [orbit.{:.40}]", name, name));
+  }
+  return found->second;
 }
 
 /// Torques in N m mean nothing to a body whose moments are ratios.
@@ -33,14 +89,15 @@ void need_absolute(const TomlTable& table, const Inertia& inertia) {
   }
 }
 
-Torque read_torque(const TomlTable& table, const Body& body, const std::filesystem::path& folder) {
+Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbits,
+                   const std::filesystem::path& folder) {
   const Inertia& inertia = *body.inertia;
   const Matrix3 principal_from_named = inertia.named_from_principal.transpose();
   const std::string kind = table.text("kind");
   if (kind == "gravity gradient") {
     table.allow_only({"kind", "orbit"});
-    const KeplerElements orbit = read_orbit(table);
-    return GravityGradient(orbit.mu_m3_s2, orbit);
+    const Orbit& orbit = orbit_of(table, orbits);
+    return GravityGradient(orbit.mu_m3_s2, orbit.trajectory);
   }
   if (kind == "constant") {
     table.allow_only({"kind", "torque_n_m", "axes"});
@@ -69,7 +126,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const std::filesyst
     const Vector3 axis = table.vector3("dipole_axis");
     if (!(axis.norm() > 0.0)) throw table.error("dipole_axis", "found the zero vector, a direction is wanted");
     return EddyCurrents{principal_from_named * table.matrix3("magnetic_tensor_s_m4") * inertia.named_from_principal,
-                        axis.normalized(), table.number("dipole_t_m3"), read_orbit(table)};
+                        axis.normalized(), table.number("dipole_t_m3"), orbit_of(table, orbits).trajectory};
   }
   if (kind == "internal dissipation") {
     table.allow_only({"kind", "quality_factor"});
@@ -93,7 +150,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const std::filesyst
     const Vector3 centre = mass_properties(mesh).centre_of_mass;
     for (Vector3& vertex : mesh.vertices) vertex = principal_from_named * (unit_m * (vertex - centre));
     return table.located("specular", [&] {
-      return Sunlight(mesh, {table.number("specular"), table.number("diffuse")}, read_orbit(table));
+      return Sunlight(mesh, {table.number("specular"), table.number("diffuse")}, orbit_of(table, orbits).trajectory);
     });
   }
   throw table.error("kind",
@@ -116,7 +173,8 @@ bool is_scene_file(const std::string& path) {
 
 Scene read_scene(const std::string& path) {
   const TomlTable root = TomlTable::parse(read_text_file(path), path);
-  root.allow_only({"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "torque"});
+  root.allow_only(
+      {"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit", "torque"});
   Scene scene;
   scene.name = root.text("name");
   scene.source = root.text("source");
@@ -135,7 +193,7 @@ Scene read_scene(const std::string& path) {
     if (!(span.high >= 0.0)) throw root.error(key, fmt::format("found '{}', a span of 0 or more is wanted", text));
     return span.high + span.low;
   };
-  scene.first_s = -duration_s("before");
+  scene.first_s = 0.0 - duration_s("before");  // not -0
   scene.last_s = duration_s("after");
   if (scene.first_s == scene.last_s)
     throw root.error("after", "the span is empty; 'before' or 'after' says how long it is");
@@ -150,8 +208,11 @@ Scene read_scene(const std::string& path) {
                        fmt::format("found {}, a positive part of the period is wanted", *scene.period_uncertainty));
     }
   }
+  const Orbits orbits = read_orbits(root, scene, folder);
   std::vector<Torque> torques;
-  for (const TomlTable& table : root.tables("torque")) torques.push_back(read_torque(table, scene.body, folder));
+  for (const TomlTable& table : root.tables("torque")) {
+    torques.push_back(read_torque(table, scene.body, orbits, folder));
+  }
   scene.torques = Torques(std::move(torques));
   return scene;
 }

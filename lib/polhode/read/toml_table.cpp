@@ -71,6 +71,12 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
 
 bool TomlTable::has(std::string_view key) const { return node_->table->contains(key); }
 
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> names;
+  for (const auto& [key, value] : *node_->table) names.emplace_back(key.str());
+  return names;
+}
+
 SourceLocation TomlTable::where(std::string_view key) const {
   const toml::node* value = node_->table->get(key);
   return {node_->path, line_of(value == nullptr ? *node_->table : *value)};

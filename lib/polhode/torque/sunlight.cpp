@@ -13,8 +13,8 @@ constexpr double kLightSpeed_m_s = 299792458.0;
 
 }  // namespace
 
-Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory trajectory)
-    : surface_(surface), trajectory_(std::move(trajectory)) {
+Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
+    : trajectory(std::move(way)), surface_(surface) {
   if (!(surface.specular >= 0.0 && surface.diffuse >= 0.0 && surface.specular + surface.diffuse <= 1.0)) {
     throw InputError(
         fmt::format("the surface reflects {} specular and {} diffuse, shares from 0 to 1 together are wanted",
@@ -47,7 +47,7 @@ Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
 double Sunlight::largest_torque(double t_s) const {
   double sum = 0.0;
   for (const Facet& facet : *facets_) sum += facet.area_m2.norm() * facet.centre_m.norm();
-  const double r2 = trajectory_.state(t_s).position_m.squaredNorm();
+  const double r2 = trajectory.state(t_s).position_m.squaredNorm();
   // The push of a facet is at most twice that of the light on it.
   return 2.0 * kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
 }

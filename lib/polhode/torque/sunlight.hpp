@@ -22,13 +22,13 @@ class Sunlight {
     double diffuse = 1.0;   ///< share scattered or sent out as heat from the same facet (Lambert's law)
   };
 
-  /// `mesh` in metres, about the centre of mass, in the principal axes; `trajectory` of the body from the Sun. Throws
+  /// `mesh` in metres, about the centre of mass, in the principal axes; `way` of the body from the Sun. Throws
   /// InputError for shares outside 0 to 1 or above 1 together.
-  Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory trajectory);
+  Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way);
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
-    const Vector3 r = trajectory_.state(static_cast<double>(place.t_s)).position_m;
+    const Vector3 r = trajectory.state(static_cast<double>(place.t_s)).position_m;
     const Vector3 sun = -(place.inertial_from_body.template cast<double>().transpose() * r);
     terms.constant += torque(sun).cast<Real>();
   }
@@ -39,13 +39,14 @@ class Sunlight {
   /// N m: no attitude feels more at time t.
   double largest_torque(double t_s) const;
 
+  Trajectory trajectory;  ///< of the body, from the Sun
+
  private:
   struct Facet {
     Vector3 area_m2, centre_m;  // area times normal
   };
   std::shared_ptr<const std::vector<Facet>> facets_;
   Surface surface_;
-  Trajectory trajectory_;
 };
 
 }  // namespace polhode

@@ -35,6 +35,15 @@ std::vector<double> Torques::jumps_s() const {
       times_s.push_back(pulse->start_s);
       times_s.push_back(pulse->end_s());
     }
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (requires { one.trajectory; }) {
+            if (one.trajectory.table() == nullptr) return;
+            const std::vector<double> seams_s = one.trajectory.table()->seams_s();
+            times_s.insert(times_s.end(), seams_s.begin(), seams_s.end());
+          }
+        },
+        torque);
   }
   std::sort(times_s.begin(), times_s.end());
   times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());

@@ -46,7 +46,7 @@ class Torques {
   /// is not much longer cannot miss an encounter.
   double time_scale_s(double t_s) const;
 
-  /// Times, ascending, at which a torque jumps. Between two of them all is smooth.
+  /// Times, ascending, at which a torque jumps: pulses, and where one part of a trajectory follows another.
   std::vector<double> jumps_s() const;
   /// The torques at work between two neighbouring jumps, pulses among them as constant ones. `inside_s` is any time
   /// between the two.

@@ -7,21 +7,90 @@
 #include "polhode/base/error.hpp"
 
 namespace polhode {
+namespace {
 
-TabulatedOrbit::TabulatedOrbit(std::vector<double> times_s, std::vector<Vector3> positions_m, int degree)
-    : times_s_(std::move(times_s)), positions_m_(std::move(positions_m)), degree_(degree) {
-  if (degree < 1 || degree > 15) {
-    throw InputError(fmt::format("the interpolation degree is {}, 1 to 15 is allowed", degree));
+constexpr int kHighestDegree = 15;
+
+std::size_t points(const OrbitTable& table) {
+  const auto nodes = static_cast<std::size_t>(table.degree) + 1;
+  return table.velocities_m_s.empty() ? nodes : (nodes + 1) / 2;
+}
+
+void check(const OrbitTable& table) {
+  if (table.degree < 1 || table.degree > kHighestDegree) {
+    throw InputError(fmt::format("the interpolation degree is {}, 1 to {} is allowed", table.degree, kHighestDegree));
   }
-  if (times_s_.size() != positions_m_.size() || times_s_.size() <= static_cast<std::size_t>(degree)) {
-    throw InputError(
-        fmt::format("the trajectory has {} times and {} positions, as many of both and more than {} are wanted",
-                    times_s_.size(), positions_m_.size(), degree));
+  const std::size_t count = table.times_s.size();
+  if (table.positions_m.size() != count || (!table.velocities_m_s.empty() && table.velocities_m_s.size() != count) ||
+      count < std::max<std::size_t>(points(table), 2)) {
+    throw InputError(fmt::format(
+        "the trajectory has {} times, {} positions and {} velocities; as many of each (velocities may be missing) and "
+        "{} at least are wanted for degree {}",
+        count, table.positions_m.size(), table.velocities_m_s.size(), std::max<std::size_t>(points(table), 2),
+        table.degree));
   }
-  if (std::adjacent_find(times_s_.begin(), times_s_.end(), [](double a, double b) { return !(a < b); }) !=
-      times_s_.end()) {
+  if (std::adjacent_find(table.times_s.begin(), table.times_s.end(), [](double a, double b) { return !(a < b); }) !=
+      table.times_s.end()) {
     throw InputError("the times of the trajectory do not increase");
   }
+  if (!(table.times_s.front() <= table.first_s() && table.first_s() <= table.last_s() &&
+        table.last_s() <= table.times_s.back())) {
+    throw InputError(fmt::format("the useable times, {} s to {} s, do not lie within those of the rows, {} s to {} s",
+                                 table.first_s(), table.last_s(), table.times_s.front(), table.times_s.back()));
+  }
+}
+
+template <class Real>
+OrbitState<Real> interpolated(const OrbitTable& table, Real t_s) {
+  const auto after =
+      std::upper_bound(table.times_s.begin(), table.times_s.end(), static_cast<double>(t_s)) - table.times_s.begin();
+  const auto rows = static_cast<std::ptrdiff_t>(points(table)),
+             count = static_cast<std::ptrdiff_t>(table.times_s.size());
+  const auto first = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - (rows + 1) / 2, 0, count - rows));
+  // Neville's scheme, with its derivative by t beside it. With velocities each row is two nodes at the same time,
+  // between which the slope is the velocity.
+  const std::size_t of_row = table.velocities_m_s.empty() ? 1 : 2, nodes = of_row * static_cast<std::size_t>(rows);
+  Vector3Of<Real> p[kHighestDegree + 1], v[kHighestDegree + 1];
+  for (std::size_t i = 0; i < nodes; ++i) {
+    p[i] = table.positions_m[first + i / of_row].template cast<Real>();
+    v[i].setZero();
+  }
+  for (std::size_t k = 1; k < nodes; ++k) {
+    for (std::size_t i = 0; i + k < nodes; ++i) {
+      const std::size_t left = first + i / of_row, right = first + (i + k) / of_row;
+      const Real a = table.times_s[left], b = table.times_s[right];
+      if (left == right) {
+        v[i] = table.velocities_m_s[left].template cast<Real>();
+        p[i] += v[i] * (t_s - a);
+        continue;
+      }
+      const Vector3Of<Real> slope = (p[i + 1] - p[i]) / (b - a);
+      v[i] += (v[i + 1] - v[i]) * ((t_s - a) / (b - a)) + slope;
+      p[i] += slope * (t_s - a);
+    }
+  }
+  return {p[0], v[0]};
+}
+
+}  // namespace
+
+TabulatedOrbit::TabulatedOrbit(std::vector<OrbitTable> tables) : tables_(std::move(tables)) {
+  if (tables_.empty()) throw InputError("the trajectory is empty");
+  for (std::size_t i = 0; i < tables_.size(); ++i) {
+    check(tables_[i]);
+    if (i == 0) continue;
+    const double end_s = tables_[i - 1].last_s(), start_s = tables_[i].first_s();
+    if (!(start_s <= end_s && end_s < tables_[i].last_s() && tables_[i - 1].first_s() < start_s)) {
+      throw InputError(fmt::format("part {} of the trajectory, from {} s, does not follow on the part before, to {} s",
+                                   i + 1, start_s, end_s));
+    }
+  }
+}
+
+std::vector<double> TabulatedOrbit::seams_s() const {
+  std::vector<double> times_s;
+  for (std::size_t i = 1; i < tables_.size(); ++i) times_s.push_back(tables_[i].first_s());
+  return times_s;
 }
 
 template <class Real>
@@ -30,25 +99,9 @@ OrbitState<Real> TabulatedOrbit::state(Real t_s) const {
     throw InputError(fmt::format("the trajectory covers {} s to {} s, it was asked for at {} s", first_s(), last_s(),
                                  static_cast<double>(t_s)));
   }
-  const auto after = std::upper_bound(times_s_.begin(), times_s_.end(), static_cast<double>(t_s)) - times_s_.begin();
-  const std::ptrdiff_t points = degree_ + 1, count = static_cast<std::ptrdiff_t>(times_s_.size());
-  const std::ptrdiff_t first = std::clamp<std::ptrdiff_t>(after - points / 2, 0, count - points);
-  // Neville's scheme, with its derivative by t beside it.
-  Vector3Of<Real> p[16], v[16];
-  for (std::ptrdiff_t i = 0; i < points; ++i) {
-    p[i] = positions_m_[static_cast<std::size_t>(first + i)].template cast<Real>();
-    v[i].setZero();
-  }
-  for (std::ptrdiff_t k = 1; k < points; ++k) {
-    for (std::ptrdiff_t i = 0; i + k < points; ++i) {
-      const Real a = times_s_[static_cast<std::size_t>(first + i)],
-                 b = times_s_[static_cast<std::size_t>(first + i + k)];
-      const Vector3Of<Real> slope = (p[i + 1] - p[i]) / (b - a);
-      v[i] += (v[i + 1] - v[i]) * ((t_s - a) / (b - a)) + slope;
-      p[i] += slope * (t_s - a);
-    }
-  }
-  return {p[0], v[0]};
+  const auto later = std::find_if(tables_.rbegin(), tables_.rend() - 1,
+                                  [t_s](const OrbitTable& table) { return Real(table.first_s()) <= t_s; });
+  return interpolated(*later, t_s);
 }
 
 template OrbitState<double> TabulatedOrbit::state(double) const;

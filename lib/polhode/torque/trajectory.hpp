@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <variant>
 #include <vector>
 
@@ -8,26 +9,41 @@
 
 namespace polhode {
 
-/// Motion given as a table, interpolated by polynomials through the nearest points: positions through `degree` + 1 of
-/// them, the velocity as their derivative. The pieces meet with a jump in the derivatives that is as small as the
-/// interpolation error: a finer table, not a higher accuracy of propagation, makes it smaller.
+/// Part of a trajectory that may be interpolated as one.
+struct OrbitTable {
+  std::vector<double> times_s;          ///< ascending, on the body's clock
+  std::vector<Vector3> positions_m;     ///< inertial, as many
+  std::vector<Vector3> velocities_m_s;  ///< as many, or none
+  int degree = 0;                       ///< of the interpolation, 1 to 15
+  /// The rows beyond serve interpolation alone; empty: none are beyond.
+  std::optional<double> useable_from_s, useable_to_s;
+
+  double first_s() const { return useable_from_s.value_or(times_s.front()); }
+  double last_s() const { return useable_to_s.value_or(times_s.back()); }
+};
+
+/// Motion given as a table, interpolated by polynomials through the nearest points: of positions (Lagrange: degree + 1
+/// points), or where there are velocities of both (Hermite: (degree + 1)/2 points, rounded up); the velocity is the
+/// derivative. The pieces meet with a jump in the derivatives that is as small as the interpolation error: a finer
+/// table, not a higher accuracy of propagation, makes it smaller. From one table to the next nothing is interpolated:
+/// where two overlap, the later counts.
 class TabulatedOrbit {
  public:
-  /// Throws InputError unless the times increase strictly, there are as many positions, more than `degree` of them, and
-  /// 1 <= degree <= 15.
-  TabulatedOrbit(std::vector<double> times_s, std::vector<Vector3> positions_m, int degree);
+  /// Throws InputError unless the times of each table increase strictly, there are as many positions, enough of them
+  /// for the degree, and the tables follow each other without a gap.
+  explicit TabulatedOrbit(std::vector<OrbitTable> tables);
 
-  /// Throws InputError outside the table.
+  /// Throws InputError outside the tables.
   template <class Real>
   OrbitState<Real> state(Real t_s) const;
 
-  double first_s() const { return times_s_.front(); }
-  double last_s() const { return times_s_.back(); }
+  double first_s() const { return tables_.front().first_s(); }
+  double last_s() const { return tables_.back().last_s(); }
+  /// Where one table follows another.
+  std::vector<double> seams_s() const;
 
  private:
-  std::vector<double> times_s_;
-  std::vector<Vector3> positions_m_;
-  int degree_;
+  std::vector<OrbitTable> tables_;
 };
 
 extern template OrbitState<double> TabulatedOrbit::state(double) const;
@@ -36,22 +52,22 @@ extern template OrbitState<long double> TabulatedOrbit::state(long double) const
 /// The way of the body about another mass, from that mass, inertial. Copies share the table.
 class Trajectory {
  public:
-  Trajectory(const KeplerElements& elements) : orbit_(KeplerOrbit(elements)) {}  // NOLINT(google-explicit-constructor)
+  Trajectory(const KeplerElements& elements)  // NOLINT(google-explicit-constructor)
+      : orbit_(std::make_shared<const KeplerOrbit>(elements)) {}
   explicit Trajectory(TabulatedOrbit table) : orbit_(std::make_shared<const TabulatedOrbit>(std::move(table))) {}
 
   template <class Real>
   OrbitState<Real> state(Real t_s) const {
-    if (const KeplerOrbit* kepler = std::get_if<KeplerOrbit>(&orbit_)) return kepler->state(t_s);
-    return std::get<1>(orbit_)->state(t_s);
+    return std::visit([t_s](const auto& orbit) { return orbit->state(t_s); }, orbit_);
   }
-  /// The elements, or null for a table.
-  const KeplerElements* elements() const {
-    const KeplerOrbit* kepler = std::get_if<KeplerOrbit>(&orbit_);
-    return kepler == nullptr ? nullptr : &kepler->elements();
+  /// Null for a Kepler orbit.
+  const TabulatedOrbit* table() const {
+    const auto* table = std::get_if<1>(&orbit_);
+    return table == nullptr ? nullptr : table->get();
   }
 
  private:
-  std::variant<KeplerOrbit, std::shared_ptr<const TabulatedOrbit>> orbit_;
+  std::variant<std::shared_ptr<const KeplerOrbit>, std::shared_ptr<const TabulatedOrbit>> orbit_;
 };
 
 }  // namespace polhode

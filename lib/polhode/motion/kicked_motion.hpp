@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "polhode/motion/motion.hpp"
+#include "polhode/torque/torques.hpp"
+
+namespace polhode {
+
+struct KickedOptions {
+  double tolerance_rad = 0.0;          ///< wanted error of the attitude, worst of the span
+  double first_s = 0.0, last_s = 0.0;  ///< the span, which holds t = 0
+};
+
+/// The motion of many turns under torques that are weak beside the inertia forces, to a low accuracy at a few torque
+/// evaluations per turn: Strang's splitting (exact free motion between kicks) at steps of up to a fifth of a turn.
+///
+/// Such a run follows a motion close to the true one, displaced by a swing of the size of torque/(momentum x rate), and
+/// an initial state that is off by this swing has other mean rates: that, not the step, ruins a plain run with few
+/// kicks. Here the first steps are short and grow over thirty turns so smoothly that the mean motion (the adiabatic
+/// invariants) is taken along; what is left is the second-order difference of the mean rates. It is measured, not
+/// assumed: in windows spread over the span the run is repeated from its own states, beside one of order (10,6,4) at
+/// short steps, and the drift between the two is added up to the ends of the span. That misses a growth of errors by
+/// chaos; therefore a motion that comes near the separatrix, and surroundings that change within a few turns, are
+/// refused.
+///
+/// Between kicks a state is exact free motion: rows cost no torque evaluations.
+class KickedMotion final : public FreeMotion {
+ public:
+  /// Nothing where the span has too few turns, the surroundings change too fast, the motion is too near the separatrix,
+  /// a torque jumps, or the tolerance is not met: another method is then needed.
+  static std::unique_ptr<const KickedMotion> make(const FreeBody& body, const Torques& torques,
+                                                  const KickedOptions& options);
+
+  /// Torque evaluations that make() would take, from a trial at the start; nothing as for make().
+  static std::optional<double> predicted_evaluations(const FreeBody& body, const Torques& torques,
+                                                     const KickedOptions& options);
+
+  /// Throws InputError for a time outside of the span.
+  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+
+  double error_rad() const { return error_rad_; }                  ///< estimated, worst of the span
+  std::size_t torque_evaluations() const { return evaluations_; }  ///< of all runs, trials included
+
+ private:
+  /// Half way between two kicks.
+  struct Node {
+    double t_s;
+    FreeState state;
+  };
+  class Runner;
+
+  KickedMotion(const FreeBody& body, const KickedOptions& options)
+      : moments_(body.principal_moments), options_(options) {}
+  /// The longest step whose error at the end of the span is within the tolerance, by a trial at the start; or nothing.
+  static std::optional<double> chosen_step_rad(const FreeBody& body, const KickedOptions& options, Runner& runner);
+  /// Fills the nodes and measures the error; false where the motion leaves what the method is for.
+  bool run(const FreeBody& body, double step_rad, Runner& runner);
+  std::size_t nearest(double t_s) const;
+
+  Vector3 moments_;
+  KickedOptions options_;
+  std::vector<Node> nodes_;  // ascending
+  double error_rad_ = 0.0;
+  std::size_t evaluations_ = 0;
+};
+
+}  // namespace polhode

@@ -1,0 +1,322 @@
+#include "polhode/motion/variation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace polhode {
+namespace {
+
+constexpr int kFinest = 16;
+constexpr double kDifference_rad = 5e-5;    // of neighbours: its fourth power and a rounding divided by it are small
+constexpr double kLongestEpoch_rad = 10.0;  // after which the derivatives lose digits
+constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
+constexpr double kLargestDerivative = 30.0;     // of which the fifth power measures the error of the derivatives
+constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
+constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
+constexpr int kMostSweeps = 9;
+constexpr double kMostEvaluationsPerRadian = 200.0;  // beyond which splitting is cheaper
+
+/// Point i of the Chebyshev grid of degree n on (-1, 1), ascending.
+double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n); }
+
+/// From values at the points of a Chebyshev grid: values of the polynomial through them, and of its integral from the
+/// first point, at the points of the finest grid; and its last two Chebyshev coefficients (Clenshaw & Curtis, Numer.
+/// Math. 2, 197, 1960).
+struct Grid {
+  int stride;  // in points of the finest grid
+  Eigen::Matrix<double, kFinest + 1, Eigen::Dynamic, Eigen::RowMajor> interpolation, integral;
+  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor> last_coefficients;
+
+  explicit Grid(int n)
+      : stride(kFinest / n),
+        interpolation(kFinest + 1, n + 1),
+        integral(kFinest + 1, n + 1),
+        last_coefficients(2, n + 1) {
+    for (int j = 0; j <= n; ++j) {
+      // Of the polynomial that is 1 at point j and 0 at the others.
+      std::array<double, kFinest + 3> value{}, sum{};
+      const auto ends = [n](int i) { return i == 0 || i == n ? 0.5 : 1.0; };
+      for (int k = 0; k <= n; ++k) {
+        value[k] = 2.0 / n * ends(j) * ends(k) * std::cos(std::numbers::pi * k * (n - j) / n);
+      }
+      for (int k = 1; k <= n + 1; ++k) {
+        sum[k] = ((k == 1 ? 2.0 : 1.0) * value[k - 1] - value[k + 1]) / (2.0 * k);
+        sum[0] += k % 2 == 0 ? -sum[k] : sum[k];
+      }
+      last_coefficients(0, j) = value[n - 1];
+      last_coefficients(1, j) = value[n];
+      for (int i = 0; i <= kFinest; ++i) {
+        const double angle = std::numbers::pi * (kFinest - i) / kFinest;
+        interpolation(i, j) = integral(i, j) = 0.0;
+        for (int k = 0; k <= n + 1; ++k) {
+          interpolation(i, j) += value[k] * std::cos(k * angle);
+          integral(i, j) += sum[k] * std::cos(k * angle);
+        }
+      }
+    }
+  }
+};
+
+/// q turned about an inertial axis.
+Quaternion turned(const Vector3& rotation_vector, const Quaternion& q) {
+  const double half = 0.5 * rotation_vector.norm();
+  if (half == 0.0) return q;
+  const Vector3 v = std::sin(half) / (2.0 * half) * rotation_vector;
+  return Quaternion(std::cos(half), v[0], v[1], v[2]) * q;
+}
+
+/// The rotation vector, inertial, that turns b into a.
+Vector3 rotation_vector(const Quaternion& a, const Quaternion& b) {
+  const Quaternion d = a * b.conjugate();
+  const double sine = d.vec().norm();
+  if (sine == 0.0) return Vector3::Zero();
+  return std::copysign(2.0 * std::atan2(sine, std::abs(d.w())) / sine, d.w()) * d.vec();
+}
+
+ThetaMotion neighbour(const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
+                      const Vector3& rotation_vector) {
+  const Quaternion start = turned(rotation_vector, q);
+  return ThetaMotion({moments, start, start.conjugate() * momentum_inertial}, ThetaMotion::Span::step);
+}
+
+}  // namespace
+
+Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial)
+    : base_s(t_s),
+      momentum(momentum_inertial),
+      magnitude(momentum.norm()),
+      along(momentum / magnitude),
+      omega(q * Vector3((q.conjugate() * momentum).cwiseQuotient(moments))),
+      across_rad_s((omega - omega.dot(along) * along).norm()),
+      first(across_rad_s > 1e-4 * omega.norm() ? Vector3((omega - omega.dot(along) * along) / across_rad_s)
+                                               : along.unitOrthogonal()),
+      second(along.cross(first)),
+      free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step),
+      about_second{neighbour(moments, q, momentum, -2.0 * kDifference_rad * second),
+                   neighbour(moments, q, momentum, -kDifference_rad * second),
+                   neighbour(moments, q, momentum, kDifference_rad * second),
+                   neighbour(moments, q, momentum, 2.0 * kDifference_rad * second)} {
+  if (across_rad_s > 1e-4 * omega.norm()) return;
+  for (int k = 0; k < 4; ++k) {
+    const double angle_rad = std::array{-2.0, -1.0, 1.0, 2.0}[k] * kDifference_rad;
+    const Quaternion start = turned(angle_rad * first, q);
+    about_first[k].emplace(FreeBody{moments, start, start.conjugate() * momentum}, ThetaMotion::Span::step);
+  }
+}
+
+/// A time, and what the free motion and its derivatives are there.
+struct Variation::Place {
+  double t_s, since_base_s;
+  Quaternion q;
+  Matrix3 rotation;
+  Vector3 omega, by_first, by_second;  // inertial
+  Matrix3 inverse;                     // of (along, by_first, by_second)
+
+  struct Deviation {
+    Vector3 momentum, angle;
+  };
+  Deviation deviation(const Epoch& epoch, const Coefficients& y) const {
+    const Vector3 mu = y.head<3>().transpose() / epoch.magnitude;
+    return {y.head<3>().transpose(), epoch.along.cross(mu) + (epoch.along.dot(mu) * since_base_s) * omega +
+                                         y[3] * epoch.along + y[4] * by_first + y[5] * by_second};
+  }
+  FreeState state(const Epoch& epoch, const Coefficients& y) const {
+    const Deviation d = deviation(epoch, y);
+    const Vector3 half = 0.5 * d.angle;
+    FreeState s;
+    s.q_inertial_from_body =
+        (Quaternion(std::sqrt(1.0 - half.squaredNorm()), half[0], half[1], half[2]) * q).normalized();
+    s.momentum_body = s.q_inertial_from_body.conjugate() * Vector3(epoch.momentum + d.momentum);
+    return s;
+  }
+};
+
+void Variation::find_places(const Epoch& epoch, std::span<const double> since_base_s, Place* places) const {
+  const std::size_t count = since_base_s.size();
+  double m[3 * (kDegree + 1)], q[4 * (kDegree + 1)], neighbours[4][4 * (kDegree + 1)];
+  const TimeArrays times{since_base_s};
+  const auto quaternion = [](const double* a, std::size_t i) {
+    return Quaternion(a[4 * i], a[4 * i + 1], a[4 * i + 2], a[4 * i + 3]);
+  };
+  epoch.free.batch(times, StateArrays::of_structures(q, m));
+  for (std::size_t k = 0; k < 4; ++k) {
+    epoch.about_second[k].batch(times, StateArrays::of_structures(neighbours[k], nullptr));
+  }
+  const auto derivative = [&](std::size_t i) -> Vector3 {
+    const auto apart = [&](int plus, int minus) {
+      return rotation_vector(quaternion(neighbours[plus], i), quaternion(neighbours[minus], i));
+    };
+    return (8.0 * apart(2, 1) - apart(3, 0)) / (12.0 * kDifference_rad);
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    Place& p = places[i];
+    p.since_base_s = since_base_s[i];
+    p.t_s = epoch.base_s + since_base_s[i];
+    p.q = quaternion(q, i);
+    p.rotation = p.q.toRotationMatrix();
+    p.omega = p.rotation * Vector3(m[3 * i], m[3 * i + 1], m[3 * i + 2]).cwiseProduct(inverse_moments_);
+    p.by_second = derivative(i);
+    // A turn by the rate across the momentum is a shift in time and a turn about the momentum.
+    p.by_first = (p.omega - epoch.omega.dot(epoch.along) * epoch.along) / epoch.across_rad_s;
+  }
+  if (epoch.about_first[0]) {
+    for (std::size_t k = 0; k < 4; ++k) {
+      epoch.about_first[k]->batch(times, StateArrays::of_structures(neighbours[k], nullptr));
+    }
+    for (std::size_t i = 0; i < count; ++i) places[i].by_first = derivative(i);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    Matrix3 basis;
+    basis << epoch.along, places[i].by_first, places[i].by_second;
+    places[i].inverse = basis.inverse();
+  }
+}
+
+Variation::Coefficients Variation::rate(const Epoch& epoch, const Place& p, const Coefficients& y) {
+  ++evaluations_;
+  const Place::Deviation d = p.deviation(epoch, y);
+  const Vector3 half = 0.5 * d.angle;
+  const double scalar = std::sqrt(std::max(0.0, 1.0 - half.squaredNorm()));
+  const Quaternion q = Quaternion(scalar, half[0], half[1], half[2]) * p.q;
+  const Matrix3 rotation = q.toRotationMatrix();
+  const Vector3 m = rotation.transpose() * (epoch.momentum + d.momentum);
+  const Vector3 omega_body = m.cwiseProduct(inverse_moments_);
+  const TorqueTerms<double> terms = torques_.at(p.t_s, q, moments_);
+  const Vector3 torque = rotation * terms.torque(omega_body);
+  const Vector3 omega = rotation * (omega_body + terms.relaxation * m.cross(omega_body));
+  // Exact; of it the linear part in the deviation is what the six solutions obey already.
+  const Vector3 angle_rate = scalar * (omega - p.omega) + (omega + p.omega).cross(half);
+  const Vector3 felt = d.momentum + epoch.momentum.cross(d.angle);
+  const Vector3 linear = p.rotation * (p.rotation.transpose() * felt).cwiseProduct(inverse_moments_);
+  const Vector3 relative = torque / epoch.magnitude;
+  const Vector3 rest =
+      angle_rate - linear - epoch.along.cross(relative) - (epoch.along.dot(relative) * p.since_base_s) * p.omega;
+  Coefficients result;
+  result << torque.transpose(), (p.inverse * rest).transpose();
+  return result;
+}
+
+Variation::Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
+                     std::size_t max_torque_evaluations)
+    : torques_(torques),
+      moments_(start.principal_moments),
+      inverse_moments_(start.principal_moments.cwiseInverse()),
+      start_s_(start_s),
+      start_{start.q_inertial_from_body.normalized(), start.momentum_body} {
+  static const Grid coarse(8), fine(kFinest);
+  whole_ = start_s == end_s;
+  if (whole_ || !(start.momentum_body.norm() > 0.0)) return;
+  const double span_s = std::abs(end_s - start_s);
+  const Vector3 momentum = start_.q_inertial_from_body * start_.momentum_body;
+  epochs_.emplace_back(start_s, moments_, start_.q_inertial_from_body, momentum);
+  Coefficients y = Coefficients::Zero();
+  double t = start_s, wanted_rad = 4.0;
+  while (t != end_s) {
+    const Epoch& epoch = epochs_.back();
+    const double rate_rad_s = epoch.omega.norm();
+    const double remaining_s = std::abs(end_s - t);
+    double length_s = std::min(wanted_rad / rate_rad_s, kTimeScaleShare * torques_.time_scale_s(t));
+    if (length_s > 0.999 * remaining_s) {
+      length_s = remaining_s;
+    } else if (length_s > 0.5 * remaining_s) {
+      length_s = 0.5 * remaining_s;  // no sliver at the end
+    }
+    const double to_s = length_s == remaining_s ? end_s : t + std::copysign(length_s, end_s - start_s);
+    const double half_s = 0.5 * (to_s - t);
+    const double allowed = tolerance * std::sqrt(length_s / span_s);
+    // A momentum off by a part d turns the body d omega t away in the time that is left; but errors swing.
+    const double weight = std::sqrt(1.0 + rate_rad_s * remaining_s);
+    const auto size = [&](const Coefficients& c) {
+      return c.tail<3>().cwiseAbs().maxCoeff() + c.head<3>().cwiseAbs().maxCoeff() / epoch.magnitude * weight;
+    };
+
+    std::array<double, kDegree + 1> since_base_s{};
+    for (int i = 0; i <= kDegree; ++i) {
+      since_base_s[i] = (t - epoch.base_s) + half_s * (1.0 + chebyshev_point(i, kDegree));
+    }
+    std::array<Place, kDegree + 1> places;
+    find_places(epoch, since_base_s, places.data());
+    Values values = y.replicate<kDegree + 1, 1>(), rates = Values::Zero();
+    // Takes the rates at the grid's points anew; returns how far the values moved.
+    const auto sweep = [&](const Grid& grid) {
+      const Eigen::Index points = grid.integral.cols();
+      Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kDegree + 1, 6> change(points, 6);
+      for (Eigen::Index j = 0; j < points; ++j) {
+        const Eigen::Index i = j * grid.stride;
+        change.row(j) = rate(epoch, places[static_cast<std::size_t>(i)], values.row(i)) - rates.row(i);
+      }
+      const Values moved = half_s * (grid.integral * change);
+      rates += grid.interpolation * change;
+      values += moved;
+      double most = 0.0;
+      for (int i = 1; i <= kDegree; ++i) most = std::max(most, size(moved.row(i)));
+      return most;
+    };
+    double before = sweep(coarse), moved = sweep(fine);
+    // Interpolation errors beyond degree n integrate to less by n^2.
+    const Eigen::Matrix<double, 2, 6> last = fine.last_coefficients * rates;
+    const double truncation = std::abs(half_s) * std::max(size(last.row(0)), size(last.row(1))) / (kDegree * kDegree);
+    int sweeps = 2;
+    while (moved * std::min(1.0, moved / before) > 0.3 * allowed && sweeps < kMostSweeps && moved < 0.5 * before) {
+      before = moved;
+      moved = sweep(fine);
+      ++sweeps;
+    }
+    const bool converged = moved * std::min(1.0, moved / before) <= 0.3 * allowed;
+    const bool good = converged && truncation <= allowed;
+    double factor = 0.5;
+    if (converged && std::isfinite(truncation)) {
+      factor = 0.9 * std::pow(allowed / std::max(truncation, 1e-300), 1.0 / kDegree);
+    }
+    wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), kLongestWindow_rad);
+    if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
+        static_cast<double>(evaluations_) > 2000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
+      return;
+    }
+    if (!good) continue;
+    windows_.push_back({t, to_s - t, epochs_.size() - 1, values});
+    t = to_s;
+    y = values.row(kDegree);
+    const Place& end = places[kDegree];
+    const Place::Deviation d = end.deviation(epoch, y);
+    if (d.angle.norm() > kLargestDeviation_rad || std::abs(end.since_base_s) * rate_rad_s > kLongestEpoch_rad ||
+        std::max(end.by_first.norm(), end.by_second.norm()) > kLargestDerivative) {
+      const Quaternion q = end.state(epoch, y).q_inertial_from_body;
+      epochs_.emplace_back(t, moments_, q, epoch.momentum + d.momentum);
+      y.setZero();
+    }
+  }
+  whole_ = true;
+}
+
+FreeState Variation::at(double t_high_s, double t_low_s) const {
+  if (windows_.empty()) return start_;
+  const double direction = windows_.front().length_s;
+  const auto after = std::upper_bound(
+      windows_.begin(), windows_.end(), t_high_s,
+      [direction](double t, const Window& w) { return direction > 0.0 ? t < w.first_s : t > w.first_s; });
+  const Window& window = after == windows_.begin() ? *after : *(after - 1);
+  // The barycentric formula (Berrut & Trefethen, SIAM Rev. 46, 501, 2004).
+  const double x = 2.0 * ((t_high_s - window.first_s) + t_low_s) / window.length_s - 1.0;
+  Coefficients sum = Coefficients::Zero();
+  double weights = 0.0;
+  for (int i = 0; i <= kDegree; ++i) {
+    const double away = x - chebyshev_point(i, kDegree);
+    if (away == 0.0) {
+      sum = window.coefficients.row(i);
+      weights = 1.0;
+      break;
+    }
+    const double weight = (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == kDegree ? 0.5 : 1.0) / away;
+    sum += weight * window.coefficients.row(i);
+    weights += weight;
+  }
+  const Epoch& epoch = epochs_[window.epoch];
+  const std::array<double, 1> since_base_s{(t_high_s - epoch.base_s) + t_low_s};
+  Place place;
+  find_places(epoch, since_base_s, &place);
+  return place.state(epoch, sum / weights);
+}
+
+}  // namespace polhode

@@ -1,0 +1,361 @@
+#include "polhode/read/trajectory_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <functional>
+#include <string_view>
+
+#include "polhode/base/error.hpp"
+#include "polhode/read/ccsds_fields.hpp"
+#include "polhode/read/ccsds_tree.hpp"
+#include "polhode/read/text.hpp"
+#include "polhode/read/text_file.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr int kDegree = 7;  // where the file names none
+
+/// Takes rows in a frame of the file to the wanted one.
+class ToFrame {
+ public:
+  ToFrame(Frame from, Frame to) : from_(from), to_from_icrf_(q_icrf_from(to).toRotationMatrix().transpose()) {
+    if (is_inertial(from_)) fixed_ = to_from_icrf_ * q_icrf_from(from_).toRotationMatrix();
+  }
+
+  void turn(Instant instant, Vector3& position, Vector3* velocity) const {
+    if (is_inertial(from_)) {
+      position = fixed_ * position;
+      if (velocity != nullptr) *velocity = fixed_ * *velocity;
+      return;
+    }
+    // The frame turns: a central difference over two seconds is within 1e-9 of its rate.
+    const Matrix3 now = at(instant);
+    if (velocity != nullptr) {
+      const Matrix3 rate = 0.5 * (at(instant + Seconds{1.0, 0.0}) - at(instant + Seconds{-1.0, 0.0}));
+      *velocity = now * *velocity + rate * position;
+    }
+    position = now * position;
+  }
+
+ private:
+  Matrix3 at(Instant instant) const { return to_from_icrf_ * q_icrf_from(from_, instant).toRotationMatrix(); }
+
+  Frame from_;
+  Matrix3 to_from_icrf_, fixed_ = Matrix3::Identity();
+};
+
+void append(double t_s, const Vector3& position, const Vector3* velocity, const SourceLocation& where,
+            OrbitTable& table) {
+  if (!table.times_s.empty() && !(table.times_s.back() < t_s)) {
+    throw InputError(where, "this time is not after the one above");
+  }
+  table.times_s.push_back(t_s);
+  table.positions_m.push_back(position);
+  if (velocity != nullptr) table.velocities_m_s.push_back(*velocity);
+}
+
+// --- OEM ------------------------------------------------------------------------------------------------------------
+
+constexpr std::array<CcsdsRule, 4> header_rules{
+    {{"CREATION_DATE", true, CcsdsValue::epoch}, {"ORIGINATOR", true}, {"MESSAGE_ID"}, {"CLASSIFICATION"}}};
+constexpr std::array<CcsdsRule, 12> metadata_rules{
+    {{"OBJECT_NAME", true},
+     {"OBJECT_ID", true},
+     {"CENTER_NAME", true},
+     {"REF_FRAME", true},
+     {"REF_FRAME_EPOCH", false, CcsdsValue::epoch},
+     {"TIME_SYSTEM", true},
+     {"START_TIME", true, CcsdsValue::epoch},
+     {"USEABLE_START_TIME", false, CcsdsValue::epoch},
+     {"USEABLE_STOP_TIME", false, CcsdsValue::epoch},
+     {"STOP_TIME", true, CcsdsValue::epoch},
+     {"INTERPOLATION", false, CcsdsValue::text, {}, "HERMITE LINEAR LAGRANGE"},
+     {"INTERPOLATION_DEGREE", false, CcsdsValue::integer}}};
+constexpr std::array<std::string_view, 10> row_keywords{"EPOCH", "X",     "Y",      "Z",      "X_DOT",
+                                                        "Y_DOT", "Z_DOT", "X_DDOT", "Y_DDOT", "Z_DDOT"};
+
+Frame oem_frame(const CcsdsFields& fields) {
+  const std::string name = fields.normal("REF_FRAME");
+  try {
+    return frame(name.starts_with("ITRF") ? "ITRF" : name);
+  } catch (const InputError& error) {
+    throw InputError(fields.where("REF_FRAME"), error.what());
+  }
+}
+
+class OemReader {
+ public:
+  OemReader(const std::string& path, const TrajectoryRequest& request) : path_(path), request_(request) {}
+
+  TabulatedOrbit read(std::string_view text) const {
+    const CcsdsFile file = parse_ccsds(text, path_, CcsdsContent::orbit);
+    const CcsdsMessage& message = file.messages.front();
+    if (file.messages.size() > 1) {
+      throw InputError({path_, file.messages[1].header.line}, "a second OEM; one trajectory is wanted");
+    }
+    if (message.version != "1.0" && message.version != "2.0" && message.version != "3.0") {
+      throw InputError({path_, message.header.line},
+                       fmt::format("OEM version {}; 1.0, 2.0 and 3.0 can be read", message.version));
+    }
+    const CcsdsFields header(message.header, header_rules, "the header of an OEM", path_);
+    if (message.segments.empty()) throw InputError({path_, message.header.line}, "the OEM has no segment");
+    std::vector<OrbitTable> tables;
+    std::string object;
+    for (const CcsdsSegment& segment : message.segments) tables.push_back(table(segment, object));
+    try {
+      return TabulatedOrbit(std::move(tables));
+    } catch (const InputError& error) {
+      throw InputError({path_, message.segments.front().metadata.line}, error.what());
+    }
+  }
+
+ private:
+  OrbitTable table(const CcsdsSegment& segment, std::string& object) const {
+    const CcsdsFields fields(segment.metadata, metadata_rules, "the metadata of an OEM", path_);
+    if (object.empty()) object = fields.normal("OBJECT_ID");
+    if (fields.normal("OBJECT_ID") != object) {
+      throw InputError(fields.where("OBJECT_ID"),
+                       fmt::format("{}: another object than the first segment's {}", fields.text("OBJECT_ID"), object));
+    }
+    if (fields.normal("CENTER_NAME") != ccsds_text(request_.centre)) {
+      throw InputError(fields.where("CENTER_NAME"), fmt::format("the trajectory is about {}, one about {} is wanted",
+                                                                fields.text("CENTER_NAME"), request_.centre));
+    }
+    const CcsdsClock clock = ccsds_clock(fields.entry("TIME_SYSTEM"), path_);
+    if (!clock.known) {
+      throw InputError(fields.where("TIME_SYSTEM"),
+                       fmt::format("{} cannot be placed beside the body's epoch; UTC, TAI, TT, TDB or GPS is wanted",
+                                   fields.text("TIME_SYSTEM")));
+    }
+    const ToFrame to_frame(oem_frame(fields), request_.frame);
+    OrbitTable table;
+    const std::string method = fields.has("INTERPOLATION") ? fields.normal("INTERPOLATION") : "LAGRANGE";
+    if (fields.has("INTERPOLATION") && method != "LINEAR" && !fields.has("INTERPOLATION_DEGREE")) {
+      fields.missing("INTERPOLATION_DEGREE");
+    }
+    table.degree = method == "LINEAR"                   ? 1
+                   : fields.has("INTERPOLATION_DEGREE") ? static_cast<int>(fields.number("INTERPOLATION_DEGREE"))
+                                                        : kDegree;
+    for (const CcsdsRow& row : segment.data.rows) add(row, clock, to_frame, method == "HERMITE", table);
+    if (!fields.has("INTERPOLATION")) {  // as well as a short table allows
+      table.degree = std::clamp(static_cast<int>(table.times_s.size()) - 1, 1, kDegree);
+    }
+    const auto useable_s = [&](std::string_view key) -> std::optional<double> {
+      if (!fields.has(key)) return std::nullopt;
+      return (clock.date(fields.text(key), fields.where(key)) - request_.zero).high;
+    };
+    table.useable_from_s = useable_s("USEABLE_START_TIME");
+    table.useable_to_s = useable_s("USEABLE_STOP_TIME");
+    return table;
+  }
+
+  void add(const CcsdsRow& row, const CcsdsClock& clock, const ToFrame& to_frame, bool hermite,
+           OrbitTable& table) const {
+    const SourceLocation here{path_, row.line};
+    if (row.cells.size() != 7 && row.cells.size() != 10) {
+      throw InputError(here, fmt::format("{} values; a date and 6 or 9 numbers are wanted", row.cells.size()));
+    }
+    for (std::size_t k = 0; k < row.cells.size(); ++k) {
+      if (!row.cells[k].keyword.empty() && row.cells[k].keyword != row_keywords[k]) {
+        throw InputError({path_, row.cells[k].line},
+                         fmt::format("{} where {} is wanted", row.cells[k].keyword, row_keywords[k]));
+      }
+    }
+    const Instant instant = clock.date(row.cells[0].value, here);
+    Vector3 position, velocity;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto i = static_cast<Eigen::Index>(k);
+      position[i] = 1e3 * ccsds_number(row.cells[1 + k].value, here);
+      velocity[i] = 1e3 * ccsds_number(row.cells[4 + k].value, here);
+    }
+    to_frame.turn(instant, position, hermite ? &velocity : nullptr);
+    append((instant - request_.zero).high, position, hermite ? &velocity : nullptr, here, table);
+  }
+
+  const std::string& path_;
+  const TrajectoryRequest& request_;
+};
+
+// --- Tables of text -------------------------------------------------------------------------------------------------
+
+class TextTableReader {
+ public:
+  TextTableReader(const std::string& path, const TrajectoryRequest& request) : path_(path), request_(request) {}
+
+  TabulatedOrbit read(std::string_view text) {
+    const ToFrame to_frame(request_.table_frame.value_or(request_.frame), request_.frame);
+    read_header(text);
+    const SourceLocation names_at{path_, line_};
+    const std::function<Instant(std::string_view)> instant = clock();
+    const std::array<Column, 3> place{column("x"), column("y"), column("z")};
+    const bool with_velocity = find("vx") || find("vy") || find("vz");
+    std::array<Column, 3> motion{};
+    if (with_velocity) motion = {column("vx"), column("vy"), column("vz")};
+
+    OrbitTable table;
+    while (!text.empty()) {
+      const std::string_view content = trimmed(take_line(text));
+      ++line_;
+      if (content.empty() || content.starts_with('#')) continue;
+      const SourceLocation here{path_, line_};
+      const std::vector<std::string_view> cells = split(content);
+      if (cells.size() != names_.size()) {
+        throw InputError(here, fmt::format("{} cells; {} are wanted", cells.size(), names_.size()));
+      }
+      const auto value = [&](const Column& column) {
+        const std::optional<double> number = parse_number(cells[column.index]);
+        if (!number) throw InputError(here, fmt::format("'{:.40}' is not a number", cells[column.index]));
+        return column.to_si * *number;
+      };
+      Instant time;
+      try {
+        time = instant(cells[0]);
+      } catch (const InputError& error) {
+        throw InputError(here, error.what());
+      }
+      Vector3 position(value(place[0]), value(place[1]), value(place[2])), velocity = Vector3::Zero();
+      if (with_velocity) velocity = {value(motion[0]), value(motion[1]), value(motion[2])};
+      to_frame.turn(time, position, with_velocity ? &velocity : nullptr);
+      append((time - request_.zero).high, position, with_velocity ? &velocity : nullptr, here, table);
+    }
+    const int nodes = static_cast<int>(table.times_s.size()) * (with_velocity ? 2 : 1);
+    table.degree = std::clamp(nodes - 1, 1, kDegree);
+    try {
+      return TabulatedOrbit({std::move(table)});
+    } catch (const InputError& error) {
+      throw InputError(names_at, error.what());
+    }
+  }
+
+ private:
+  struct Column {
+    std::size_t index = 0;
+    double to_si = 1.0;
+  };
+
+  /// Comments, and the line of names.
+  void read_header(std::string_view& text) {
+    while (!text.empty()) {
+      const std::string_view content = trimmed(take_line(text));
+      ++line_;
+      if (content.empty()) continue;
+      if (!content.starts_with('#')) {
+        comma_ = content.find(',') != std::string_view::npos;
+        for (const std::string_view name : split(content)) names_.emplace_back(name);
+        return;
+      }
+      const std::string_view comment = trimmed(content.substr(1));
+      if (comment.starts_with("scale:")) scale_ = trimmed(comment.substr(6));  // of a column of times
+      // - {name: x, unit: km, datatype: float64}
+      const std::size_t name = comment.find("{name: "), unit = comment.find("unit: ");
+      if (name == std::string_view::npos || unit == std::string_view::npos) continue;
+      const auto item = [&](std::size_t at, std::size_t skip) {
+        const std::string_view rest = comment.substr(at + skip);
+        return std::string(trimmed(rest.substr(0, rest.find_first_of(",}"))));
+      };
+      units_.emplace_back(item(name, 7), item(unit, 6));
+    }
+    throw InputError({path_, line_}, "the table has no line of column names");
+  }
+
+  std::vector<std::string_view> split(std::string_view line) const {
+    if (!comma_) return split_words(line);
+    std::vector<std::string_view> cells;
+    for (std::size_t at = 0; at <= line.size();) {
+      const std::size_t end = std::min(line.find(',', at), line.size());
+      std::string_view cell = trimmed(line.substr(at, end - at));
+      if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+      cells.push_back(cell);
+      at = end + 1;
+    }
+    return cells;
+  }
+
+  /// What the first column says.
+  std::function<Instant(std::string_view)> clock() const {
+    const std::string& name = names_[0];
+    if (name == "t_s") {
+      return [zero = request_.zero](std::string_view text) {
+        const std::optional<double> seconds = parse_number(text);
+        if (!seconds) throw InputError(fmt::format("'{:.40}' is not a number of seconds", text));
+        return zero + Seconds{*seconds, 0.0};
+      };
+    }
+    if (name != "time" && !name.starts_with("date_")) {
+      throw InputError({path_, line_}, fmt::format("the first column is '{:.40}'; allowed: date_ and a time scale "
+                                                   "(date_tdb), time with its scale in an ECSV header, t_s",
+                                                   name));
+    }
+    if (name == "time" && scale_.empty()) {
+      throw InputError({path_, line_}, "the header says no scale of the column time; date_tdb names one");
+    }
+    try {
+      const TimeScale scale = time_scale(name == "time" ? std::string_view(scale_) : std::string_view(name).substr(5));
+      return [scale](std::string_view text) { return parse_date(text, scale); };
+    } catch (const InputError& error) {
+      throw InputError({path_, line_}, error.what());
+    }
+  }
+
+  std::optional<Column> find(std::string_view wanted) const {
+    constexpr double au_m = 149597870700.0;
+    const bool speed = wanted.starts_with('v');
+    for (std::size_t i = 1; i < names_.size(); ++i) {
+      const std::string& name = names_[i];
+      std::string unit;
+      if (name == wanted) {
+        const auto listed = std::find_if(units_.begin(), units_.end(), [&](const auto& u) { return u.first == name; });
+        if (listed == units_.end()) {
+          throw InputError({path_, line_}, fmt::format("column {} has no unit: name it {}{} or the like", name, name,
+                                                       speed ? "_km_s" : "_km"));
+        }
+        unit = listed->second;
+      } else if (name.size() > wanted.size() && name.starts_with(wanted) && name[wanted.size()] == '_') {
+        unit = name.substr(wanted.size() + 1);
+      } else {
+        continue;
+      }
+      std::erase_if(unit, [](char c) { return c == ' ' || c == '\'' || c == '"'; });
+      if (speed && (unit == "m/s" || unit == "m_s")) return Column{i, 1.0};
+      if (speed && (unit == "km/s" || unit == "km_s")) return Column{i, 1e3};
+      if (!speed && unit == "m") return Column{i, 1.0};
+      if (!speed && unit == "km") return Column{i, 1e3};
+      if (!speed && (unit == "au" || unit == "AU")) return Column{i, au_m};
+      throw InputError({path_, line_}, fmt::format("column {} is in '{:.20}'; {} can be read", name, unit,
+                                                   speed ? "m/s and km/s" : "m, km and au"));
+    }
+    return std::nullopt;
+  }
+
+  Column column(std::string_view wanted) const {
+    if (const std::optional<Column> found = find(wanted)) return *found;
+    throw InputError({path_, line_},
+                     fmt::format("there is no column {}_m, {}_km, or {} with a unit", wanted, wanted, wanted));
+  }
+
+  const std::string& path_;
+  const TrajectoryRequest& request_;
+  std::size_t line_ = 0;
+  bool comma_ = false;
+  std::vector<std::string> names_;
+  std::vector<std::pair<std::string, std::string>> units_;  // of an ECSV header, by column
+  std::string scale_;
+};
+
+}  // namespace
+
+TabulatedOrbit read_trajectory(const std::string& path, const TrajectoryRequest& request) {
+  const std::string text = read_text_file(path);
+  if (is_ccsds(text)) {
+    if (request.table_frame) {
+      throw InputError({path, 1}, "an OEM names its own frame; trajectory_frame is for tables of text");
+    }
+    return OemReader(path, request).read(text);
+  }
+  return TextTableReader(path, request).read(text);
+}
+
+}  // namespace polhode
