@@ -54,6 +54,30 @@ def test_speed_accuracy_figures(speed):
     assert "| toutatis |" in output  # the table of how much faster theta is
 
 
+def test_torqued_table_and_figures(tmp_path):
+    subjects = [f"{ROOT}/data/truth/torqued/toutatis-01.case@100000", f"{ROOT}/data/scenes/relaxing.toml@20min"]
+    chart(tmp_path, "torqued", *subjects, "--size", "0.01")
+    table = Table.read(tmp_path / "torqued.ecsv", format="ascii.ecsv")
+    assert set(table["body"]) == {"toutatis-01", "relaxing"}
+    assert set(table["kind"]) == {"to an accuracy", "exact kernel", "other kernel", "general"}
+    assert np.all(np.isfinite(table["attitude_error"])) and np.all(table["reference_error"] <= 1e-14)
+    assert np.all(table["kept_evaluations"] <= table["evaluations"])
+    best = {method: min(table["attitude_error"][table["method"] == method]) for method in set(table["method"])}
+    assert best["auto"] < 1e-10 and best["fehlberg-78"] < 1e-9
+    output = plot(tmp_path / "torqued.ecsv")
+    for name in ("torqued", "torqued-last", "torqued-evaluations", "torqued-last-evaluations", "torqued-main"):
+        for ending in ("png", "svg"):
+            assert (tmp_path / f"{name}.{ending}").stat().st_size > 10_000
+    assert "| toutatis-01 |" in output  # the table of the cheapest
+
+
+def test_without_a_body_the_standard_ones_are_charted(tmp_path):
+    chart(tmp_path, "speed-accuracy", "--size", "0.01")
+    table = Table.read(tmp_path / "speed-accuracy.ecsv", format="ascii.ecsv")
+    assert set(table["body"]) == {"toutatis", "t-handle", "envisat", "apophis", "needle", "near-sphere"}
+    assert np.all(table["attitude_error"][table["method"] == "theta"] < 1e-14)
+
+
 def test_stability_table_and_figures(tmp_path):
     chart(tmp_path, "stability", "--size", "0.02")
     table = Table.read(tmp_path / "stability.ecsv", format="ascii.ecsv")
@@ -68,11 +92,12 @@ def test_stability_table_and_figures(tmp_path):
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["speed-accuracy"],  # no body
         ["speed-accuracy", "no-such-file.toml"],
         ["speed-accuracy", f"{ROOT}/data/bodies/toutatis.toml@-5d"],
         ["speed-accuracy", f"{ROOT}/data/bodies/toutatis.toml@soon"],
         ["speed-accuracy", f"{ROOT}/data/truth/dev/rest-01.case"],
+        ["torqued", f"{ROOT}/data/truth/dev/sam-01.case"],  # no torque
+        ["torqued", f"{ROOT}/data/scenes/relaxing.toml@0s"],
         ["stability", "--size", "-1"],
         ["nonsense"],
     ],

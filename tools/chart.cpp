@@ -2,6 +2,8 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -13,8 +15,10 @@
 #include "polhode/read/body.hpp"
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
+#include "polhode/read/scene_file.hpp"
 #include "polhode/survey/speed_accuracy.hpp"
 #include "polhode/survey/stability.hpp"
+#include "polhode/survey/torqued_accuracy.hpp"
 #include "polhode/write/document.hpp"
 #include "polhode/write/ecsv_table.hpp"
 #include "subcommands.hpp"
@@ -29,6 +33,25 @@ struct ChartOptions {
 };
 
 constexpr double kTurnsByDefault = 1000.0;
+
+/// What is charted where no body is named: 20 years, 100 flips, a month, to the flyby of 2029, a thousand turns.
+const std::vector<std::string> kStandardBodies{"toutatis.toml@7305d",    "t-handle.toml@166s", "envisat.toml@30d",
+                                               "apophis.toml@3024.907d", "needle.toml",        "near-sphere.toml"};
+const std::vector<std::string> kStandardTorqued{"truth/torqued/envisat-fast-01.case",
+                                                "truth/torqued/envisat-slow-01.case",
+                                                "truth/torqued/toutatis-01.case",
+                                                "scenes/apophis-2029.toml",
+                                                "scenes/librator.toml",
+                                                "scenes/relaxing.toml"};
+
+/// The standard ones, where none is given.
+std::vector<std::string> or_standard(const std::vector<std::string>& given, const char* folder,
+                                     const std::vector<std::string>& standard) {
+  if (!given.empty()) return given;
+  std::vector<std::string> paths;
+  for (const std::string& name : standard) paths.push_back(fmt::format("{}{}{}", POLHODE_DATA_DIR, folder, name));
+  return paths;
+}
 
 /// FILE or FILE@SPAN.
 survey::Subject read_subject(const std::string& text) {
@@ -95,7 +118,9 @@ void chart_speed_accuracy(const ChartOptions& options) {
   constexpr int kInstants = 1000;
   constexpr double kEvaluations = 3e6, kEvaluationsPerTurn = 600.0;
   std::vector<survey::Subject> subjects;
-  for (const std::string& text : options.bodies) subjects.push_back(read_subject(text));
+  for (const std::string& text : or_standard(options.bodies, "/bodies/", kStandardBodies)) {
+    subjects.push_back(read_subject(text));
+  }
   make_folder(options.folder);
   std::vector<std::vector<std::string>> rows;
   for (const survey::Subject& subject : subjects) {
@@ -157,6 +182,86 @@ void chart_stability(const ChartOptions& options) {
   say_how_to_plot(path);
 }
 
+/// FILE or FILE@SPAN: a scene, or a case file with torques.
+survey::TorquedSubject read_torqued_subject(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  const std::string file = text.substr(0, at);
+  survey::TorquedSubject subject;
+  subject.name = std::filesystem::path(file).stem().string();
+  if (file.ends_with(".case")) {
+    const CaseFile given = read_case_file(file);
+    subject.body = given.body;
+    subject.torques = given.torques;
+    subject.span_s = *std::max_element(given.times_s.begin(), given.times_s.end());
+  } else {
+    const Scene scene = read_scene(file);
+    subject.body = free_body(scene.body, scene.frame);
+    subject.torques = scene.torques;
+    subject.span_s = scene.last_s > 0.0 ? scene.last_s : scene.first_s;
+  }
+  if (at != std::string::npos) subject.span_s = parse_duration(std::string_view(text).substr(at + 1)).high;
+  if (subject.torques.empty()) throw InputError(file + ": no torque, nothing to chart; see chart speed-accuracy");
+  if (subject.body.momentum_body.isZero(0.0))
+    throw InputError(file + ": at rest at first, which has no turn to count by");
+  if (subject.span_s == 0.0) throw InputError(text + ": the span is 0, another one is wanted, as FILE@SPAN");
+  return subject;
+}
+
+void chart_torqued(const ChartOptions& options) {
+  constexpr int kInstants = 1000;
+  constexpr double kEvaluations = 2e5, kEvaluationsPerTurn = 500.0;
+  std::vector<survey::TorquedSubject> subjects;
+  for (const std::string& text : or_standard(options.bodies, "/", kStandardTorqued)) {
+    subjects.push_back(read_torqued_subject(text));
+  }
+  make_folder(options.folder);
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> comments =
+      provenance("cost against accuracy under torques; the reference is extrapolation in long double");
+  for (const survey::TorquedSubject& subject : subjects) {
+    const double turns = std::abs(subject.span_s) / survey::turn_s(subject.body);
+    const int instants = std::max(10, static_cast<int>(kInstants * std::min(1.0, options.size)));
+    const double most = std::max(kEvaluations, kEvaluationsPerTurn * turns) * options.size;
+    const auto told = [&](std::string_view method) { tell(fmt::format("{}: {}", subject.name, method)); };
+    const survey::TorquedAccuracy result = survey::torqued_accuracy(subject, instants, most, told);
+    const survey::TorquedReference& reference = result.reference;
+    comments.push_back(fmt::format("{}: reference to {:.0e} rad: {}, estimated error {:.1e} rad, {} torque evaluations",
+                                   subject.name, reference.tolerance_rad, reference.outcome, reference.error_rad,
+                                   reference.evaluations));
+    for (const survey::TorquedRow& r : result.rows) {
+      rows.push_back({subject.name, number(subject.span_s), number(turns), r.method, std::string(r.kind),
+                      fmt::format("{}", r.instants), number(r.step_s), number(r.free_step_s), number(r.tolerance),
+                      number(r.attitude_rad), number(r.momentum), number(reference.error_rad), number(r.evaluations),
+                      number(r.kept_evaluations), number(r.evaluations / turns), number(r.kept_evaluations / turns),
+                      number(r.time_ns), number(r.time_ns / turns), number(r.time_ns / r.instants)});
+    }
+  }
+  tell("");
+  const std::string path = options.folder + "/torqued.ecsv";
+  write_ecsv_table(path, comments,
+                   {{"body", "", "string", "file's name"},
+                    {"span", "s", "float64", "length of the span"},
+                    {"turns", "", "float64", "span / (2 pi / initial rate)"},
+                    {"method", "", "string", "name; of a splitting: kernel, scheme"},
+                    {"kind", "", "string", "to an accuracy, exact kernel, other kernel or general"},
+                    {"instants", "", "int64", "answered evenly over the span; 1 is its end alone"},
+                    {"step", "s", "float64", "of a fixed-step method, else 0"},
+                    {"free_step", "s", "float64", "longest of the free motion between kicks, where not exact, else 0"},
+                    {"tolerance", "", "float64", "of an adaptive method, else 0"},
+                    {"attitude_error", "rad", "float64", "greatest angle to the reference"},
+                    {"momentum_error", "", "float64", "greatest |m - m_true| / |m_true|"},
+                    {"reference_error", "rad", "float64", "the reference's own estimate"},
+                    {"evaluations", "", "float64", "of the torques, all runs and answers together"},
+                    {"kept_evaluations", "", "float64", "without runs that only chose steps or told the error"},
+                    {"evaluations_per_turn", "", "float64", "evaluations / turns"},
+                    {"kept_evaluations_per_turn", "", "float64", "kept_evaluations / turns"},
+                    {"time", "ns", "float64", "of the processor, one thread, in all"},
+                    {"time_per_turn", "ns", "float64", "time / turns"},
+                    {"time_per_instant", "ns", "float64", "time / instants"}},
+                   rows);
+  say_how_to_plot(path);
+}
+
 }  // namespace
 
 void add_chart(CLI::App& app) {
@@ -171,11 +276,16 @@ void add_chart(CLI::App& app) {
   };
   CLI::App* speed = command->add_subcommand("speed-accuracy", "Error against cost, on bodies of your choice");
   common(speed);
-  speed
-      ->add_option("BODY", options->bodies,
-                   "Body or case file, with @SPAN if other than a thousand turns: toutatis.toml@7305d")
-      ->required();
+  speed->add_option("BODY", options->bodies,
+                    "Body or case file, with @SPAN if other than a thousand turns: toutatis.toml@7305d; without any, "
+                    "six standard bodies of the source tree");
   speed->callback([options] { chart_speed_accuracy(*options); });
+  CLI::App* torqued = command->add_subcommand("torqued", "Error against cost under torques");
+  common(torqued);
+  torqued->add_option("FILE", options->bodies,
+                      "Scene file, or case file with torques, with @SPAN if other than its own: envisat-month.toml@3d; "
+                      "without any, six standard ones of the source tree");
+  torqued->callback([options] { chart_torqued(*options); });
   CLI::App* stability = command->add_subcommand("stability", "Error on maps of the places where methods fail");
   common(stability);
   stability->callback([options] { chart_stability(*options); });

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Draw the tables of `polhode chart`: tools/plot_chart.py TABLE [-o DIR]
 
-A speed-accuracy table gives figures of all its bodies, by time and by evaluations, and one of its first body alone; a
-stability table gives a figure per map. All are written as SVG and PNG beside the table, or to DIR.
+A speed-accuracy or torqued table gives figures of all its bodies, by time and by evaluations, and one of its first body
+alone; a stability table gives a figure per map. All are written as SVG and PNG beside the table, or to DIR.
 """
 
 import argparse
@@ -45,6 +45,14 @@ FAMILIES = {
 
 def family(method):
     return next((name for name, methods in FAMILIES.items() if method in methods), "exact")
+
+
+TORQUED_STYLES = {
+    "to an accuracy": STYLES["exact"],
+    "exact kernel": STYLES["splitting"],
+    "other kernel": STYLES["moser-veselov"],
+    "general": STYLES["adaptive"],
+}
 
 
 def power(exponent):
@@ -113,17 +121,21 @@ def place_labels(axes, labels, gap):
         )
 
 
-def draw_speed_accuracy(axes, table, cost_name, gap=0.17):
+INTEGRATOR_KINDS = [kind for kind in STYLES if kind != "exact"]
+
+
+def draw_speed_accuracy(axes, table, cost_name, gap=0.17, kind_of=family, styles=STYLES, rivals=INTEGRATOR_KINDS):
+    """`kind_of(method)` is a key of `styles`; the grey front is that of the kinds `rivals` alone."""
     front_error, front_cost, labels = [], [], []
     integrator_error, integrator_cost = [], []
     for method, error, rows in curves(table):
         cost = np.asarray(rows[cost_name])
         kept = improving(error, cost)
-        style = STYLES[family(method)]
+        style = styles[kind_of(method)]
         axes.plot(error[kept], cost[kept], linewidth=1.1, markeredgewidth=0, zorder=4, **style)
         front_error.extend(error[kept])
         front_cost.extend(cost[kept])
-        if family(method) != "exact":
+        if kind_of(method) in rivals:
             integrator_error.extend(error[kept])
             integrator_cost.extend(cost[kept])
         if error[kept[-1]] < 1:
@@ -160,18 +172,18 @@ def draw_speed_accuracy(axes, table, cost_name, gap=0.17):
 
 def title_of(table, body):
     rows = table[table["body"] == body]
-    seconds, turns = rows["span"][0], rows["turns"][0]
+    seconds, turns = abs(rows["span"][0]), rows["turns"][0]
     for unit, length in (("years", 365.25 * 86400), ("days", 86400), ("h", 3600), ("min", 60), ("s", 1)):
         if seconds >= 1.5 * length or unit == "s":
             break
     return f"{body}: {seconds / length:.3g} {unit}, {turns:,.0f} turns"
 
 
-def family_legend(figure, **where):
-    handles = [plt.Line2D([], [], linewidth=1.1, markeredgewidth=0, **style) for style in STYLES.values()]
+def family_legend(figure, styles=STYLES, rivals="front of the integrators", **where):
+    handles = [plt.Line2D([], [], linewidth=1.1, markeredgewidth=0, **style) for style in styles.values()]
     handles.append(plt.Line2D([], [], color=FRONT, linewidth=5, alpha=0.75))
     handles.append(plt.Line2D([], [], color=INTEGRATORS, linewidth=5))
-    names = [*STYLES, "Pareto front", "front of the integrators"]
+    names = [*styles, "Pareto front", rivals]
     figure.legend(handles, names, frameon=False, fontsize=8, **where)
 
 
@@ -238,6 +250,83 @@ def accuracy_table(table, bodies, instants):
             best = good[np.argmin(good["time"])]
             cells.append(f"{best['time'] / theta:,.0f} ({best['method']})")
         lines.append(f"| {body} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+# --- Under torques ----------------------------------------------------------------------------------------------------
+
+TORQUED_COSTS = {
+    "evaluations_per_turn": ("torque evaluations per turn", "-evaluations"),
+    "us_per_turn": ("time per turn, \N{GREEK SMALL LETTER MU}s", ""),
+}
+
+
+def torqued(table, folder):
+    table["us_per_turn"] = table["time_per_turn"] / 1e3
+    kinds = dict(zip(table["method"], table["kind"]))
+    bodies = list(dict.fromkeys(table["body"]))
+    many = max(table["instants"])
+    comments = table.meta.get("comments", [])
+    look = dict(kind_of=kinds.get, styles=TORQUED_STYLES, rivals=["general"])
+
+    def draw(axes, body, instants, cost_name, gap):
+        part = table[(table["body"] == body) & (table["instants"] == instants)]
+        draw_speed_accuracy(axes, part, cost_name, gap, **look)
+        axes.set_title(title_of(table, body), fontsize=10, color=INK, loc="left")
+        axes.set_xlabel("greatest attitude error, rad (better to the right)", fontsize=8)
+        axes.set_ylabel(TORQUED_COSTS[cost_name][0], fontsize=8)
+        axes.tick_params(labelsize=7.5)
+
+    def legend(figure):
+        family_legend(figure, TORQUED_STYLES, "front of the general-purpose", loc="lower center", ncol=6)
+
+    for instants in dict.fromkeys((many, 1)):
+        when = "the last instant alone" if instants == 1 else f"{instants} instants over the span"
+        for cost_name, (_, tag) in TORQUED_COSTS.items():
+            columns = min(3, len(bodies))
+            rows = -(-len(bodies) // columns)
+            figure, grid = plt.subplots(
+                rows, columns, figsize=(max(7.0, 5.4 * columns), 4.9 * rows + 0.8), squeeze=False, layout="constrained"
+            )
+            figure.get_layout_engine().set(rect=(0, 0.065, 1, 0.9), w_pad=0.1, h_pad=0.12)
+            for axes, body in zip(grid.flat, bodies):
+                draw(axes, body, instants, cost_name, gap=0.17)
+            for axes in grid.flat[len(bodies) :]:
+                axes.set_visible(False)
+            figure.suptitle(f"Torques: cost against accuracy, {when}", fontsize=13, color=INK, x=0.012, ha="left")
+            legend(figure)
+            figure.text(0.012, 0.004, "   ".join(comments[1:3]), fontsize=6, color=FAINT)
+            save(figure, folder, f"torqued{'' if instants == many else '-last'}{tag}")
+    figure, grid = plt.subplots(1, 2, figsize=(11.5, 6.2), layout="constrained")
+    figure.get_layout_engine().set(rect=(0, 0.06, 1, 0.94), w_pad=0.1)
+    for axes, cost_name in zip(grid, TORQUED_COSTS):
+        draw(axes, bodies[0], 1, cost_name, gap=0.13)
+    legend(figure)
+    figure.text(0.99, 0.985, "   ".join(comments[1:3]), fontsize=5.5, color=FAINT, ha="right", va="top")
+    save(figure, folder, "torqued-main")
+    for instants in dict.fromkeys((1, many)):
+        print(torqued_table(table, bodies, instants))
+
+
+def torqued_table(table, bodies, instants):
+    """Of each kind the cheapest that reaches an accuracy, by evaluations and by time."""
+    accuracies = (1e-3, 1e-6, 1e-9)
+    lines = [
+        f"| {instants} instants: evaluations; \N{GREEK SMALL LETTER MU}s per turn | kind | " + " | ".join(f"{a:g} rad" for a in accuracies) + " |",
+        "|---" * (len(accuracies) + 2) + "|",
+    ]
+    for body in bodies:
+        part = table[(table["body"] == body) & (table["instants"] == instants)]
+        for kind in ("general", "other kernel", "exact kernel", "to an accuracy"):
+            cells = []
+            for accuracy in accuracies:
+                good = part[(part["attitude_error"] <= accuracy) & (part["kind"] == kind)]
+                if len(good) == 0:
+                    cells.append("not reached")
+                    continue
+                best = [(cost, good[np.argmin(good[cost])]) for cost in TORQUED_COSTS]
+                cells.append("; ".join(f"{row[cost]:.3g} ({row['method']})" for cost, row in best))
+            lines.append(f"| {body} | {kind} | " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
@@ -364,10 +453,12 @@ def main():
     table = Table.read(arguments.table, format="ascii.ecsv")
     if "outcome" in table.colnames:
         stability(table, folder)
+    elif "evaluations_per_turn" in table.colnames:
+        torqued(table, folder)
     elif "attitude_error" in table.colnames:
         speed_accuracy(table, folder)
     else:
-        sys.exit(f"{arguments.table}: neither a speed-accuracy nor a stability table")
+        sys.exit(f"{arguments.table}: not a table of polhode chart")
 
 
 if __name__ == "__main__":

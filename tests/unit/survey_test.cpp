@@ -7,8 +7,10 @@
 #include <set>
 #include <string>
 
+#include "polhode/motion/rivals/torqued.hpp"
 #include "polhode/survey/speed_accuracy.hpp"
 #include "polhode/survey/stability.hpp"
+#include "polhode/survey/torqued_accuracy.hpp"
 
 namespace polhode::survey {
 namespace {
@@ -48,6 +50,34 @@ TEST(SpeedAccuracy, OnlyTheTimesChangeFromRunToRun) {
     EXPECT_EQ(a[i].errors.attitude_rad, b[i].errors.attitude_rad) << a[i].method;
     EXPECT_EQ(a[i].evaluations_per_instant, b[i].evaluations_per_instant) << a[i].method;
   }
+}
+
+TEST(TorquedAccuracy, EveryMethodIsThereAndAccurateAgainstTheReference) {
+  TorquedSubject subject;
+  subject.name = "satellite";
+  const Vector3 moments(17000.0, 124800.0, 129200.0);
+  subject.body = {moments, Quaternion(0.3, -0.5, 0.7, 0.2).normalized(),
+                  moments.cwiseProduct(Vector3(0.02, 0.01, 0.04))};
+  subject.torques =
+      Torques({GravityGradient(3.986e14, KeplerElements{3.986e14, 7.146e6, 0.0, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
+  subject.span_s = 3.0 * turn_s(subject.body);
+  const TorquedAccuracy result = torqued_accuracy(subject, 5, 3e3);
+  EXPECT_EQ(result.reference.outcome, "done");
+  EXPECT_LE(result.reference.error_rad, 1e-14);
+  std::map<std::string, double> best;
+  for (const TorquedRow& row : result.rows) {
+    EXPECT_TRUE(std::isfinite(row.attitude_rad)) << row.method;
+    EXPECT_GT(row.time_ns, 0.0);
+    EXPECT_GE(row.evaluations, row.kept_evaluations) << row.method;
+    EXPECT_GE(row.kept_evaluations, 1.0) << row.method;
+    const auto [known, fresh] = best.try_emplace(row.method, row.attitude_rad);
+    if (!fresh) known->second = std::min(known->second, row.attitude_rad);
+  }
+  for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
+    EXPECT_LT(best.at(std::string(method.name)), method.name.ends_with("strang") ? 1e-4 : 1e-5) << method.name;
+  }
+  EXPECT_LT(best.at("auto"), 1e-11);
+  EXPECT_LT(best.at("extrapolation"), 1e-12);
 }
 
 TEST(Stability, ThetaIsBlankOfTroubleAndOthersAreNot) {

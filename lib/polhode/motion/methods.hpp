@@ -13,6 +13,8 @@ namespace polhode {
 struct StepControl {
   double step_s = 0.0;     ///< of fixed-step methods; by default a hundredth of a turn at the initial rate
   double tolerance = 0.0;  ///< of adaptive methods, absolute and relative, |m| and |q| being 1; by default 1e-10
+  /// Splittings between kicks of a torque: of the free motion, where that is not exact; by default one step per drift.
+  double free_step_s = 0.0;
   /// A span that would cost more than about this is not computed: its answers are NaN. 0 is no limit.
   std::int64_t max_evaluations = 0;
 };

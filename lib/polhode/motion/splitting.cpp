@@ -95,22 +95,27 @@ const SplittingScheme& splitting_scheme(std::string_view name) {
   throw InputError(fmt::format("unknown splitting scheme '{:.40}', allowed are {}", name, allowed));
 }
 
-void SplittingRun::kick(double t_s, double length_s) {
-  ++evaluations_;
-  const TorqueTerms<double> terms = torques_.at(t_s, body_.q_inertial_from_body, body_.principal_moments);
+Vector3 kick(FreeBody& body, double t_s, double length_s, const Torques& torques) {
+  const TorqueTerms<double> terms = torques.at(t_s, body.q_inertial_from_body, body.principal_moments);
   const auto relax_half = [&] {
-    if (terms.relaxation != 0.0) relax(body_, 0.5 * length_s, terms.relaxation);
+    if (terms.relaxation != 0.0) relax(body, 0.5 * length_s, terms.relaxation);
   };
   relax_half();
   const Vector3 change = terms.depends_on_rate
-                             ? damping_change(body_.momentum_body, length_s, terms, body_.principal_moments)
+                             ? damping_change(body.momentum_body, length_s, terms, body.principal_moments)
                              : Vector3(length_s * terms.constant);
-  body_.momentum_body += change;
-  const Vector3 added = body_.q_inertial_from_body * change + momentum_rounded_;
+  body.momentum_body += change;
+  const Vector3 added = body.q_inertial_from_body * change;
+  relax_half();
+  return added;
+}
+
+void SplittingRun::kick(double t_s, double length_s) {
+  ++evaluations_;
+  const Vector3 added = polhode::kick(body_, t_s, length_s, torques_) + momentum_rounded_;
   const Vector3 sum = momentum_inertial_ + added;
   momentum_rounded_ = added - (sum - momentum_inertial_);
   momentum_inertial_ = sum;
-  relax_half();
 }
 
 void SplittingRun::step(double length_s) {

@@ -35,6 +35,10 @@ std::span<const SplittingScheme> splitting_schemes();
 /// Throws InputError naming the allowed ones.
 const SplittingScheme& splitting_scheme(std::string_view name);
 
+/// B(length_s): the torque at time t_s, at the attitude that the body has, for so long. Changes the momentum (and,
+/// under internal dissipation, the attitude); returns what it has added to the momentum in inertial axes.
+Vector3 kick(FreeBody& body, double t_s, double length_s, const Torques& torques);
+
 /// A run of steps from one state, forward or backward.
 class SplittingRun {
  public:

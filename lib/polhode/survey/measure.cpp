@@ -1,6 +1,8 @@
 #include "polhode/survey/measure.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -60,10 +62,30 @@ Errors errors_of_row(const FreeBody& body, const Answers& answers, std::size_t r
   return e;
 }
 
+double greatest(double a, double b) { return std::isnan(a) || b <= a ? a : b; }
+
 Errors greatest(const Errors& a, const Errors& b) {
-  const auto widest = [](double x, double y) { return std::isnan(x) || y <= x ? x : y; };
-  return {widest(a.attitude_rad, b.attitude_rad), widest(a.momentum, b.momentum), widest(a.energy, b.energy),
-          widest(a.orthogonality, b.orthogonality)};
+  return {greatest(a.attitude_rad, b.attitude_rad), greatest(a.momentum, b.momentum), greatest(a.energy, b.energy),
+          greatest(a.orthogonality, b.orthogonality)};
+}
+
+double least_time_ns(const std::function<void()>& run) {
+  constexpr int most_runs = 15;
+  constexpr double enough_ns = 1e7;
+  const auto now_ns = [] {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
+  };
+  double least = std::numeric_limits<double>::infinity(), total = 0.0;
+  for (int i = 0; i < most_runs && total < enough_ns; ++i) {
+    const double start = now_ns();
+    run();
+    const double ns = now_ns() - start;
+    least = std::min(least, ns);
+    total += ns;
+  }
+  return least;
 }
 
 double turn_s(const FreeBody& body) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,8 +34,13 @@ Answers answer(const Method& method, const FreeBody& body, const StepControl& co
 Errors errors_of_row(const FreeBody& body, const Answers& answers, std::size_t row,
                      const rivals::State<rivals::Extended>& truth);
 
-/// The greater of both in each entry; NaN wins.
+/// The greater of both, in each entry; NaN wins.
+double greatest(double a, double b);
 Errors greatest(const Errors& a, const Errors& b);
+
+/// Processor time of this thread alone (what else the machine does costs it cache, but not its time): the least of
+/// several runs; a long one is made once.
+double least_time_ns(const std::function<void()>& run);
 
 /// 2 pi / |omega| at t = 0.
 double turn_s(const FreeBody& body);

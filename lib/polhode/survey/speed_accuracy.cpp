@@ -2,42 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 
 namespace polhode::survey {
 
 namespace {
 
-/// Of this thread alone: what else the machine does costs it cache, but not its time.
-double processor_time_ns() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e9 * static_cast<double>(t.tv_sec) + static_cast<double>(t.tv_nsec);
-}
-
 constexpr double longest_step_turns = 1.0 / 6.0;
 constexpr double loosest_tolerance = 1e-2, tightest_tolerance = 1e-18;
 
-/// The least time of several runs, so that what else the machine does counts little; a long run is made once.
 SpeedAccuracyRow measured(const Subject& subject, const Method& method, const StepControl& control,
                           const std::vector<double>& times, const std::vector<rivals::State<rivals::Extended>>& truth) {
-  constexpr int most_runs = 15;
-  constexpr double enough_ns = 1e7;
   SpeedAccuracyRow row;
   row.method = method.name;
   row.instants = static_cast<int>(times.size());
   row.step_s = control.step_s;
   row.tolerance = control.tolerance;
-  double least = std::numeric_limits<double>::infinity(), total = 0.0;
   Answers answers;
-  for (int run = 0; run < most_runs && total < enough_ns; ++run) {
-    const double start = processor_time_ns();
-    answers = answer(method, subject.body, control, times);
-    const double ns = processor_time_ns() - start;
-    least = std::min(least, ns);
-    total += ns;
-  }
+  const double least = least_time_ns([&] { answers = answer(method, subject.body, control, times); });
   const auto count = static_cast<double>(times.size());
   row.ns_per_instant = least / count;
   row.evaluations_per_instant = static_cast<double>(answers.evaluations) / count;

@@ -12,10 +12,11 @@ namespace polhode::rivals {
 
 namespace {
 
-int derivative(sunrealtype, N_Vector y, N_Vector dydt, void* body) {
+template <class RightHandSide>
+int derivative(sunrealtype t, N_Vector y, N_Vector dydt, void* rate) {
   std::array<double, 7> from, to;
   std::copy_n(NV_DATA_S(y), 7, from.begin());
-  (*static_cast<const RightHandSide<double>*>(body))(from, to);
+  (*static_cast<const RightHandSide*>(rate))(from, to, t);
   std::copy_n(to.begin(), 7, NV_DATA_S(dydt));
   return 0;
 }
@@ -25,16 +26,14 @@ std::unique_ptr<T, Free> owned(T* p, Free free) {
   return {p, free};
 }
 
-}  // namespace
-
-std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> times, State<double>* out) {
+template <class RightHandSide>
+std::int64_t run(RightHandSide f, const Problem& problem, std::span<const double> times, State<double>* out) {
   SUNContext raw_context = nullptr;
   if (SUNContext_Create(nullptr, &raw_context) != 0) {
     no_answer(out, 0, times.size());
     return 0;
   }
   const auto context = owned(raw_context, [](SUNContext c) { SUNContext_Free(&c); });
-  RightHandSide<double> f{{problem.body.x[0], problem.body.x[1], problem.body.x[2]}};
   std::array<double, 7> y = pack(problem.start);
   const auto vector = owned(N_VMake_Serial(7, y.data(), context.get()), N_VDestroy);
   const auto memory = owned(CVodeCreate(CV_ADAMS, context.get()), [](void* m) { CVodeFree(&m); });
@@ -42,7 +41,7 @@ std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> tim
   void* const cvode = memory.get();
   std::size_t done = 0;
   long evaluations = 0;
-  if (CVodeInit(cvode, derivative, 0.0, vector.get()) == CV_SUCCESS &&
+  if (CVodeInit(cvode, derivative<RightHandSide>, 0.0, vector.get()) == CV_SUCCESS &&
       CVodeSStolerances(cvode, problem.tolerance, problem.tolerance) == CV_SUCCESS &&
       CVodeSetUserData(cvode, &f) == CV_SUCCESS && CVodeSetNonlinearSolver(cvode, iteration.get()) == CV_SUCCESS &&
       CVodeSetErrHandlerFn(
@@ -60,6 +59,12 @@ std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> tim
   no_answer(out, done, times.size());
   CVodeGetNumRhsEvals(cvode, &evaluations);
   return evaluations;
+}
+
+}  // namespace
+
+std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> times, State<double>* out) {
+  return with_right_hand_side(problem, [&](const auto& rate) { return run(rate, problem, times, out); });
 }
 
 }  // namespace polhode::rivals

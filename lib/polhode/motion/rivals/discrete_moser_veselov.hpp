@@ -60,7 +60,12 @@ class DiscreteMoserVeselov {
     const std::int64_t before = newton_.evaluations;
     for (std::int64_t n = 0; n < steps; ++n) {
       const Real w[3] = {half_rate_[0] * y.m[0], half_rate_[1] * y.m[1], half_rate_[2] * y.m[2]};
-      Real g[3];
+      // One round of the equation itself is as good a start as the parabola through the last three solutions.
+      Real first[3], g[3];
+      const Real square = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+      for (int i = 0; i < 3; ++i) {
+        first[i] = w[i] + w[i] * square - coupling_[i] * w[(i + 1) % 3] * w[(i + 2) % 3];
+      }
       const bool solved = newton_.solve(
           [&](const Real u[3], Real residual[3], Real jacobian[3][3]) {
             const Real length = Real(1) + u[0] * u[0] + u[1] * u[1] + u[2] * u[2];
@@ -73,7 +78,7 @@ class DiscreteMoserVeselov {
               jacobian[i][k] = coupling_[i] * u[j] - w2 * u[k];
             }
           },
-          w, g);
+          first, g);
       if (!solved) {
         y.m[0] = Real(std::numeric_limits<double>::quiet_NaN());
         y.q[0] = y.m[0];

@@ -4,19 +4,15 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <type_traits>
 
 #include "polhode/motion/rivals/integrated_motion.hpp"
 
 namespace polhode::rivals {
 
-/// From instant `from` on, a method has no answer.
-inline void no_answer(State<double>* out, std::size_t from, std::size_t count) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  for (std::size_t i = from; i < count; ++i) out[i] = {{nan, nan, nan, nan}, {nan, nan, nan}};
-}
-
 /// Drives a fixed-step scheme: between two instants as many equal steps as make them no longer than the one wanted.
 /// Equally spaced instants, equal but for the rounding of the times, share one scheme and its constants.
+/// A scheme is made from (body, state, step), under torques from (problem, t, state, step).
 template <class Scheme>
 std::int64_t run_fixed_step(const Problem& problem, std::span<const double> times, State<double>* out) {
   State<double> y = problem.start;
@@ -31,7 +27,11 @@ std::int64_t run_fixed_step(const Problem& problem, std::span<const double> time
       if (!(steps > 0.0)) steps = interval == 0.0 ? 0.0 : 1.0;
       step = steps > 0.0 ? interval / steps : 0.0;
       if (scheme) evaluations += scheme->evaluations;
-      scheme.emplace(problem.body, y, step);
+      if constexpr (std::is_constructible_v<Scheme, const Problem&, double, const State<double>&, double>) {
+        scheme.emplace(problem, t, y, step);
+      } else {
+        scheme.emplace(problem.body, y, step);
+      }
     }
     // A step takes one evaluation at least: this is known beforehand, the rest below.
     if (!(steps + static_cast<double>(evaluations + scheme->evaluations) <=

@@ -30,6 +30,13 @@ IntegratedMotion::IntegratedMotion(const FreeBody& body, const StepControl& cont
       control.max_evaluations > 0 ? control.max_evaluations : std::numeric_limits<std::int64_t>::max();
 }
 
+IntegratedMotion::IntegratedMotion(const FreeBody& body, const Torques& torques, const StepControl& control, Run run,
+                                   const SplittingScheme* scheme)
+    : IntegratedMotion(body, control, run) {
+  const double free_step = control.free_step_s > 0.0 ? control.free_step_s / time_unit_ : HUGE_VAL;
+  forcing_ = Forcing{torques, body.principal_moments, momentum_, time_unit_, 0.0, scheme, free_step};
+}
+
 FreeState IntegratedMotion::at(double t_high_s, double t_low_s) const {
   Eigen::Vector4d q;
   FreeState state;
@@ -56,10 +63,12 @@ std::int64_t IntegratedMotion::integrate(const TimeArrays& times, const StateArr
 
   std::vector<State<double>> states(count, problem_.start);
   std::int64_t evaluations = 0;
-  if (momentum_ > 0.0) {  // else at rest
-    const std::span<const double> all(tau);
-    if (past > 0) evaluations += run_(problem_, all.first(past), states.data());
-    if (past < count) evaluations += run_(problem_, all.subspan(past), states.data() + past);
+  const std::span<const double> all(tau);
+  if (momentum_ > 0.0) {
+    if (past > 0) evaluations += advance(all.first(past), states.data());
+    if (past < count) evaluations += advance(all.subspan(past), states.data() + past);
+  } else if (forcing_) {
+    no_answer(states.data(), 0, count);
   }
   for (std::size_t n = 0; n < count; ++n) {
     const auto row = static_cast<std::ptrdiff_t>(order[n]);
@@ -67,6 +76,47 @@ std::int64_t IntegratedMotion::integrate(const TimeArrays& times, const StateArr
     if (out.m[0] == nullptr) continue;
     for (int k = 0; k < 3; ++k) out.m[k][row * out.m_stride] = states[n].m[k] * momentum_;
   }
+  return evaluations;
+}
+
+std::int64_t IntegratedMotion::advance(std::span<const double> times, State<double>* out) const {
+  if (!forcing_) return run_(problem_, times, out);
+  // From jump to jump of the torques: each stretch is a problem of its own.
+  const double direction = times.back() < 0.0 ? -1.0 : 1.0;
+  std::vector<double> ends;
+  for (const double jump_s : forcing_->torques.jumps_s()) {
+    const double jump = jump_s / time_unit_;
+    if (direction * jump > 0.0 && direction * (times.back() - jump) > 0.0) ends.push_back(jump);
+  }
+  if (direction < 0.0) std::reverse(ends.begin(), ends.end());
+  ends.push_back(times.back());
+  Forcing forcing = *forcing_;
+  Problem problem = problem_;
+  problem.forcing = &forcing;
+  std::int64_t evaluations = 0;
+  double from = 0.0;
+  std::size_t done = 0;
+  std::vector<double> stretch;
+  std::vector<State<double>> states;
+  for (const double to : ends) {
+    stretch.clear();
+    for (std::size_t i = done; i < times.size() && direction * (times[i] - to) <= 0.0; ++i) {
+      stretch.push_back(times[i] - from);
+    }
+    const std::size_t rows = stretch.size();
+    stretch.push_back(to - from);
+    states.resize(stretch.size());
+    forcing.start_s = from * time_unit_;
+    forcing.torques = forcing_->torques.during(0.5 * (from + to) * time_unit_);
+    evaluations += run_(problem, stretch, states.data());
+    std::copy_n(states.begin(), rows, out + done);
+    done += rows;
+    problem.start = states.back();
+    problem.max_evaluations = problem_.max_evaluations - evaluations;
+    from = to;
+    if (!is_finite(problem.start)) break;
+  }
+  no_answer(out, done, times.size());
   return evaluations;
 }
 

@@ -68,7 +68,7 @@ std::span<const Method> methods() {
           {"8", keeps_momentum, phase, "Fasso 2003 with 17 stages of Kahan & Li, Math. Comp. 66, 1089 (1997)"}),
       fixed_step<DiscreteMoserVeselov<double, 2>>(
           "dmv", "geometric",
-          {"2", keeps_momentum_and_energy, "no solution for steps longer than about a quarter turn; phase error grows",
+          {"2", keeps_momentum_and_energy, "no solution for steps longer than about a radian; phase error grows",
            "Moser & Veselov, Commun. Math. Phys. 139, 217 (1991); McLachlan & Zanna, Found. Comput. Math. 5, 87 "
            "(2005)"}),
       fixed_step<DiscreteMoserVeselov<double, 6>>(

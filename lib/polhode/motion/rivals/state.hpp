@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace polhode::rivals {
 
@@ -122,6 +124,12 @@ inline bool is_finite(const State<Real>& y) {
   for (const Real& a : y.q) sum += static_cast<double>(a);
   for (const Real& a : y.m) sum += static_cast<double>(a);
   return std::isfinite(sum);
+}
+
+/// From instant `from` on, a method has no answer.
+inline void no_answer(State<double>* out, std::size_t from, std::size_t count) {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = from; i < count; ++i) out[i] = {{nan, nan, nan, nan}, {nan, nan, nan}};
 }
 
 }  // namespace polhode::rivals
