@@ -866,6 +866,7 @@ class Reader {
         out_.body.name = f.text("OBJECT_NAME");
         id = f.normal("OBJECT_ID");
         history.object = out_.body.name;
+        history.object_id = f.text("OBJECT_ID");
         history.scale = clock_.scale;
         history.absolute_time = clock_.known;
       } else if (f.normal("OBJECT_ID") != id) {
@@ -1131,6 +1132,7 @@ class Reader {
                          ? AttitudeInterpolation::linear
                          : (method == "LAGRANGE" ? AttitudeInterpolation::lagrange : AttitudeInterpolation::hermite);
     segment.degree = f.has("INTERPOLATION_DEGREE") ? static_cast<int>(f.number("INTERPOLATION_DEGREE")) : 1;
+    segment.method_stated = true;
     const std::size_t per_row = rates && segment.method == AttitudeInterpolation::hermite ? 2 : 1;
     const std::size_t needed = (static_cast<std::size_t>(segment.degree) + per_row) / per_row;
     if (segment.method != AttitudeInterpolation::linear && segment.samples.size() < needed) {
@@ -1194,6 +1196,7 @@ class Reader {
     bool last_is_single = false;
     AttitudeHistory history;
     history.object = out_.body.name;
+    history.object_id = metadata.text("INTERNATIONAL_DESIGNATOR");
     history.scale = clock_.scale;
     history.absolute_time = clock_.known;
     std::size_t covariances = 0;

@@ -33,7 +33,8 @@ void need_absolute(const TomlTable& table, const Inertia& inertia) {
   }
 }
 
-Torque read_torque(const TomlTable& table, const Body& body, const std::filesystem::path& folder) {
+Torque read_torque(const TomlTable& table, const Body& body, const std::filesystem::path& folder,
+                   const ContentOf& content_of) {
   const Inertia& inertia = *body.inertia;
   const Matrix3 principal_from_named = inertia.named_from_principal.transpose();
   const std::string kind = table.text("kind");
@@ -87,7 +88,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const std::filesyst
     table.allow_only({"kind", "mesh", "unit_m", "specular", "diffuse", "orbit"});
     need_absolute(table, inertia);
     const std::string path = (folder / table.text("mesh")).string();
-    TriangleMesh mesh = read_mesh(read_text_file(path), path);
+    TriangleMesh mesh = read_mesh(content_of(path), path);
     const double unit_m = table.number("unit_m");
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
     const Vector3 centre = mass_properties(mesh).centre_of_mass;
@@ -104,24 +105,27 @@ Torque read_torque(const TomlTable& table, const Body& body, const std::filesyst
 
 }  // namespace
 
-bool is_scene_file(const std::string& path) {
-  const std::string content = read_text_file(path);
-  for (std::string_view rest = content; !rest.empty();) {
-    const std::string_view line = trimmed(take_line(rest));
+bool is_scene_file(const std::string& path) { return is_scene(read_text_file(path)); }
+
+bool is_scene(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = trimmed(take_line(text));
     if (line.starts_with('[')) return false;
     if (line.starts_with("accuracy")) return trimmed(line.substr(8)).starts_with('=');
   }
   return false;
 }
 
-Scene read_scene(const std::string& path) {
-  const TomlTable root = TomlTable::parse(read_text_file(path), path);
+Scene read_scene(const std::string& path) { return parse_scene(read_text_file(path), path, read_text_file); }
+
+Scene parse_scene(std::string_view content, const std::string& path, const ContentOf& content_of) {
+  const TomlTable root = TomlTable::parse(content, path);
   root.allow_only({"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "torque"});
   Scene scene;
   scene.name = root.text("name");
   scene.source = root.text("source");
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  scene.body = read_body((folder / root.text("body")).string());
+  scene.body = read_body((folder / root.text("body")).string(), content_of);
   if (!scene.body.inertia || !scene.body.state || !scene.body.state->omega_named_rad_s ||
       !scene.body.state->q_frame_from_named) {
     throw root.error("body", "the body has no inertia, or no attitude and rate at an epoch; a scene needs them");
@@ -151,7 +155,8 @@ Scene read_scene(const std::string& path) {
     }
   }
   std::vector<Torque> torques;
-  for (const TomlTable& table : root.tables("torque")) torques.push_back(read_torque(table, scene.body, folder));
+  for (const TomlTable& table : root.tables("torque"))
+    torques.push_back(read_torque(table, scene.body, folder, content_of));
   scene.torques = Torques(std::move(torques));
   return scene;
 }
