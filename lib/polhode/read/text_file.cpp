@@ -1,5 +1,6 @@
 #include "polhode/read/text_file.hpp"
 
+#define ZLIB_CONST  // zlib then takes input that is constant
 #include <zlib.h>
 
 #include <array>
@@ -47,7 +48,7 @@ std::string unpack_gzip(std::string_view packed, const std::string& name) {
   std::string_view rest = packed;
   while (true) {
     const std::size_t taken = std::min<std::size_t>(rest.size(), std::numeric_limits<uInt>::max());
-    stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(rest.data()));  // zlib's signature; it changes nothing
+    stream.next_in = reinterpret_cast<const Bytef*>(rest.data());
     stream.avail_in = static_cast<uInt>(taken);
     stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
     stream.avail_out = static_cast<uInt>(buffer.size());
