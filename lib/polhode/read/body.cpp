@@ -82,6 +82,11 @@ Body read_body(const std::string& path, const ContentOf& content_of) {
   if (is_damit_spin(text)) return parse_damit_spin(text, file);
   if (is_shape_model(text)) return parse_shape_model(text, file);
   if (is_mesh(text)) return body_of_mesh(text, file);
+  if (text.find('=') == std::string::npos) {
+    throw InputError({file, 0},
+                     "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "
+                     "(FITS, CSV, ECSV), DAMIT's spin.txt, shape.txt and tables, SHAPE models, meshes (OBJ, PLY, STL)");
+  }
   return parse_body_file(text, file, content_of);
 }
 

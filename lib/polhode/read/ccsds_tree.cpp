@@ -32,8 +32,9 @@ std::string_view kind_of(std::string_view keyword) {
 
 void check_kind(std::string_view kind, const SourceLocation& where) {
   if (contains(attitude_kinds, kind)) return;
-  throw InputError(where,
-                   fmt::format("a {} message, which holds no attitude; attitude messages are APM, AEM and ACM", kind));
+  throw InputError(
+      where,
+      fmt::format("the message is of kind {}, which holds no attitude; attitude messages are APM, AEM and ACM", kind));
 }
 
 // --- KVN ---------------------------------------------------------------------------------------------------------

@@ -29,7 +29,9 @@ std::string read_text_file(const std::string& path) {
   if (stream.bad()) throw FileError("cannot read " + path + ": " + std::strerror(errno));
   if (text.str().empty()) throw InputError({path, 0}, "the file is empty");
   std::string content = std::move(text).str();
-  return content.starts_with("\x1f\x8b") ? unpack_gzip(content, path) : content;
+  if (content.starts_with("\x1f\x8b")) content = unpack_gzip(content, path);
+  if (content.starts_with("\xEF\xBB\xBF")) content.erase(0, 3);
+  return content;
 }
 
 std::string unpack_gzip(std::string_view packed, const std::string& name) {

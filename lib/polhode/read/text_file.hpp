@@ -6,7 +6,7 @@
 
 namespace polhode {
 
-/// The whole of a file as bytes, unpacked if it is compressed by gzip. Throws InputError for a directory, a device and
+/// The whole of a file as bytes, unpacked if it is compressed by gzip, without a byte-order mark of UTF-8. Throws InputError for a directory, a device and
 /// an empty file, FileError where it cannot be read.
 std::string read_text_file(const std::string& path);
 
