@@ -51,7 +51,9 @@ def test_text_says_mode_periods_and_direction():
         ("name = 'a'\n[inertia]\nmoments = [1, 2, 3]\nunit = 'pounds'\n", 4, "allowed: kg m2"),
         ("name = 'a'\nmass = 3\n", 2, "unknown key"),
         ("source = 'b'\n", 1, "name: this key is missing"),
-        ("\x00\x01", 1, "not valid TOML"),
+        ("\x00\x01", 0, "no kind of file that is known"),
+        ("251 -63\n2451545.0 10\n", 0, "no kind of file that is known"),
+        ("name = 'a'\n\x00\x01", 2, "not valid TOML"),
     ],
 )
 def test_wrong_input_is_one_message_and_status_2(tmp_path, text, line, message):

@@ -144,3 +144,11 @@ def test_the_same_input_gives_the_same_bytes(tmp_path):
         texts.append((tmp_path / f"{name}.fits").read_bytes())
         time.sleep(1.1)  # no clock but the given one is asked
     assert texts[0] == texts[1]
+
+
+def test_a_name_alone_is_a_file_here(tmp_path):
+    for name in ("a.fits", "a.csv", "./b.aem"):
+        run("propagate", TOUTATIS, "-o", name, "--stop", "+1 d", "--count", "3", cwd=tmp_path)
+        assert (tmp_path / name).is_file()
+    refused = run("propagate", TOUTATIS, "-o", "nowhere/a.csv", "--stop", "+1 d", "--count", "3", cwd=tmp_path, check=False)
+    assert refused.returncode == 3 and "there is no folder" in refused.stderr

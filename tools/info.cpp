@@ -72,7 +72,11 @@ Report report_on(const std::string& path) {
   Report report{path, read_body(path), std::nullopt, std::nullopt, std::nullopt, std::nullopt};
   if (path.rfind('#') == std::string::npos) report.history = read_attitude_history(path);
   Body& body = report.body;
-  for (const std::string& what : body.missing) body.warnings.push_back("cannot be propagated; it lacks " + what);
+  for (const std::string& what : body.missing) {
+    body.warnings.push_back((report.history ? "cannot be propagated beyond its attitude history; it lacks "
+                                            : "cannot be propagated; it lacks ") +
+                            what);
+  }
   if (!body.inertia) {
     body.warnings.push_back("no inertia is given: nothing can be said about the motion");
   } else if (!body.inertia->absolute) {
@@ -84,7 +88,7 @@ Report report_on(const std::string& path) {
   } else if (body.inertia) {
     report.spin = spin_invariants(*body.inertia, momentum_principal(body));
     if (!body.state->q_frame_from_named) {
-      body.warnings.push_back("no attitude is given: the direction of the angular momentum is unknown");
+      body.warnings.push_back("no attitude is given: the body's axes cannot be placed in the frame");
     } else if (report.spin->mode != RotationMode::rest) {
       report.momentum_ecliptic = momentum_in_frame(body, Frame::ecliptic_j2000);
       report.momentum_icrf = momentum_in_frame(body, Frame::icrf);
@@ -126,14 +130,21 @@ void print_axis(Page& page, int principal, const AxisMotion& axis) {
 
 void print_history(Page& page, const AttitudeHistory& history) {
   page.gap();
-  page.heading("Attitude history: {} rows in {} segments, {}", history.rows(), history.segments.size(),
-               name(history.scale));
+  page.heading("Attitude history of {}: {} row{} in {} segment{}, {}", history.object.empty() ? "?" : history.object,
+               history.rows(), history.rows() == 1 ? "" : "s", history.segments.size(),
+               history.segments.size() == 1 ? "" : "s",
+               history.absolute_time ? name(history.scale) : "a clock of its own");
   for (const AttitudeSegment& s : history.segments) {
     const auto date = [&](Instant t) { return format_date(t, history.scale, 6); };
     page.row(
         fmt::format("{} in {}", s.body, s.frame),
-        fmt::format("{} to {}, {} rows{}, {} of degree {}", date(s.samples.front().time), date(s.samples.back().time),
-                    s.samples.size(), s.has_rates() ? " with rates" : "", name(s.method), s.degree));
+        fmt::format("{} to {}, {} row{}{}, {} of degree {}{}", date(s.samples.front().time),
+                    date(s.samples.back().time), s.samples.size(), s.samples.size() == 1 ? "" : "s",
+                    s.has_rates() ? " with rates" : "", name(s.method), s.degree, s.method_stated ? "" : " (assumed)"));
+    if (s.usable_start || s.usable_stop) {
+      page.row("  usable",
+               s.last() < s.first() ? "nothing of it" : fmt::format("{} to {}", date(s.first()), date(s.last())));
+    }
   }
 }
 
@@ -205,17 +216,23 @@ Json json(const AxisMotion& axis) {
 Json json(const Direction& direction) { return {direction.longitude_rad * degrees, direction.latitude_rad * degrees}; }
 
 Json json(const AttitudeHistory& history) {
-  Json out{{"scale", name(history.scale)}, {"rows", history.rows()}, {"segments", Json::array()}};
+  Json out{{"object", history.object},
+           {"scale", name(history.scale)},
+           {"rows", history.rows()},
+           {"segments", Json::array()}};
   for (const AttitudeSegment& s : history.segments) {
     const Eigen::Vector4d q = scalar_first(s.samples.front().q_frame_from_body);
     out["segments"].push_back({{"frame", s.frame},
                                {"body", s.body},
                                {"start", format_date(s.samples.front().time, history.scale, 9)},
                                {"stop", format_date(s.samples.back().time, history.scale, 9)},
+                               {"usable_start", format_date(s.first(), history.scale, 9)},
+                               {"usable_stop", format_date(s.last(), history.scale, 9)},
                                {"rows", s.samples.size()},
                                {"rates", s.has_rates()},
                                {"interpolation", name(s.method)},
                                {"degree", s.degree},
+                               {"interpolation_stated", s.method_stated},
                                {"first_q_frame_from_body_scalar_first", {q[0], q[1], q[2], q[3]}}});
   }
   return out;

@@ -1,11 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 #include <CLI/CLI.hpp>
 #include <csignal>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,11 +18,13 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
+#include "polhode/ephemeris/resample.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/planner.hpp"
+#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -49,8 +54,10 @@ struct PropagateOptions {
   std::string attitude_type = "QUATERNION/ANGVEL";
   std::string euler_sequence = "ZXZ";
   bool momentum = false;
-  bool full = false;  // of a scene
+  bool full = false;     // of a scene
+  bool history = false;  // of a message that has a body as well
   bool frame_given = false;
+  bool scale_given = false;
 };
 
 enum class Format { fits, aem_kvn, aem_xml, csv, ecsv };
@@ -199,7 +206,10 @@ void write(const PropagateOptions& options, Format format, const std::vector<Eph
   ProgressLine line(rows);
   const Progress progress = [&line](std::size_t done) { line(done); };
   if (segments.size() > 1 && format != Format::aem_kvn && format != Format::aem_xml) {
-    throw InputError("only an AEM holds several spans; give one --start and one --stop");
+    throw InputError(
+        fmt::format("there are {} segments, which only an AEM (.aem, .xml) holds; give one --start and one "
+                    "--stop, of an attitude history within one of its segments",
+                    segments.size()));
   }
   switch (format) {
     case Format::fits:
@@ -216,13 +226,10 @@ void write(const PropagateOptions& options, Format format, const std::vector<Eph
       aem.version = adm_version(options.adm);
       aem.type = aem_type(options.attitude_type);
       aem.euler_sequence = EulerSequence(options.euler_sequence);
-      if (!options.tolerance.empty()) {
-        if (aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
-            aem.type == AemType::euler_angle_angular_velocity) {
-          throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
-        }
-        aem.interpolation_method = "LAGRANGE";
-        aem.interpolation_degree = 7;
+      if (!options.tolerance.empty() &&
+          (aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
+           aem.type == AemType::euler_angle_angular_velocity)) {
+        throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
       }
       write_aem(options.output, segments, aem, progress);
       return;
@@ -249,6 +256,82 @@ void complete(PropagateOptions& options, const Scene& scene) {
   }
 }
 
+/// Writes all, unless a signal stops it.
+void write_watched(const PropagateOptions& options, Format format, const std::vector<Ephemeris>& segments) {
+  std::size_t rows = 0;
+  for (const Ephemeris& segment : segments) rows += segment.times().size();
+  {
+    const SignalWatch watch;
+    try {
+      write(options, format, segments);
+    } catch (const Stopped&) {
+      fmt::print(stderr, "polhode: stopped; {} is not written\n", options.output);
+    }
+  }
+  if (caught_signal != 0) {
+    std::raise(caught_signal);  // ends the program as whoever sent it expects
+  }
+  fmt::print(stderr, "polhode: {}: {} rows\n", options.output, rows);
+}
+
+/// The rows of an attitude history, or attitudes between them.
+void export_history(const PropagateOptions& options, Format format, AttitudeHistory history) {
+  if (!options.tolerance.empty()) {
+    throw InputError("--tolerance is for bodies: an attitude history is as good as its rows; take --step or --count");
+  }
+  if (options.method != "auto") throw InputError("--method is for bodies; an attitude history says how to interpolate");
+  if (!options.step.empty() && options.count != 0) throw InputError("one of --step and --count, not both");
+  if (history.object.empty()) history.object = std::filesystem::path(options.body_file).stem().string();
+  const TimeScale scale = options.scale_given ? time_scale(options.scale) : history.scale;
+  const std::optional<Frame> out_frame = options.frame_given ? std::optional(frame(options.frame)) : std::nullopt;
+  WantedTimes wanted;
+  if (!options.step.empty()) wanted.step = parse_duration(options.step);
+  wanted.count = options.count;
+  std::vector<Ephemeris> segments;
+  if (!options.times.empty()) {
+    if (!options.starts.empty() || !options.stops.empty() || wanted.step || wanted.count != 0) {
+      throw InputError("--times stands alone: without --start, --stop, --step, --count");
+    }
+    wanted.list = read_time_list(options.times, scale);
+    segments = resample(history, wanted, scale, out_frame);
+  }
+  const std::size_t spans = std::max<std::size_t>({options.starts.size(), options.stops.size(), 1});
+  if (spans > 1 && options.starts.size() != options.stops.size()) {
+    throw InputError(fmt::format("{} times --start and {} times --stop; they come in pairs", options.starts.size(),
+                                 options.stops.size()));
+  }
+  for (std::size_t i = 0; options.times.empty() && i < spans; ++i) {
+    // "+60 d" counts from the history's first instant for --start, from the start for --stop.
+    const auto date = [scale](const std::string& text, Instant from) {
+      return text.starts_with('+') ? from + parse_duration(text) : parse_date_with_scale(text, scale).instant;
+    };
+    const Instant first = history.segments.front().first();
+    if (!options.starts.empty()) wanted.start = date(options.starts[i], first);
+    if (!options.stops.empty()) wanted.stop = date(options.stops[i], wanted.start.value_or(first));
+    for (Ephemeris& segment : resample(history, wanted, scale, out_frame)) segments.push_back(std::move(segment));
+  }
+  write_watched(options, format, segments);
+}
+
+/// The attitude history to write instead of the motion of a body: of a file that has one, and no complete body.
+std::optional<AttitudeHistory> history_instead(const PropagateOptions& options, const Body& body) {
+  if (body.missing.empty() && !options.history) {
+    if (!body.attitudes.empty() && body.attitudes.front().block == "ATT") {
+      fmt::print(stderr,
+                 "polhode: the motion of the body is computed; --history writes the attitudes of the message\n");
+    }
+    return std::nullopt;
+  }
+  std::optional<AttitudeHistory> history;
+  if (std::filesystem::exists(options.body_file)) history = read_attitude_history(options.body_file);
+  if (!history && options.history) throw InputError({options.body_file, 0}, "holds no attitude history");
+  if (history && !body.missing.empty()) {
+    fmt::print(stderr, "polhode: no motion can be computed, it would need {}; the attitude history is taken\n",
+               fmt::join(body.missing, ", "));
+  }
+  return history;
+}
+
 void propagate(PropagateOptions options) {
   const Format format = format_of(options.output);
   std::optional<Scene> scene;
@@ -258,6 +341,10 @@ void propagate(PropagateOptions options) {
   }
   const Body body = scene ? scene->body : read_body(options.body_file);
   for (const std::string& warning : body.warnings) fmt::print(stderr, "polhode: {}\n", warning);
+  if (std::optional<AttitudeHistory> history = scene ? std::nullopt : history_instead(options, body)) {
+    export_history(options, format, *std::move(history));
+    return;
+  }
   const Frame out_frame = scene ? scene->frame : frame(options.frame);
   const TimeScale scale = time_scale(options.scale);
   const FreeBody free = free_body(body, out_frame);
@@ -274,7 +361,6 @@ void propagate(PropagateOptions options) {
     motion->batch({high, low}, StateArrays::of_structures(q, m));
   };
   std::vector<Ephemeris> segments;
-  std::size_t rows = 0;
   const Interpolation interpolation = interpolation_of(format);
   const auto rows_between = [&](Instant start, Instant stop) {
     double tolerance_rad = parse_angle_rad(options.tolerance);
@@ -283,7 +369,6 @@ void propagate(PropagateOptions options) {
                               interpolation.kind);
   };
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
-    rows += grid.size();
     EphemerisDescription description;
     description.object = body.name;
     description.source = body.source;
@@ -295,42 +380,41 @@ void propagate(PropagateOptions options) {
     if (!options.tolerance.empty()) {
       description.tolerance_rad = parse_angle_rad(options.tolerance);
       description.interpolation = interpolation.text;
-      if (*description.tolerance_rad < (plan ? 1.0 : 2.0) * description.promised_error_rad) {
+      if (*description.tolerance_rad < (plan ? 1.0 : 2.0) * *description.promised_error_rad) {
         throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
-                                     *description.tolerance_rad, description.promised_error_rad));
+                                     *description.tolerance_rad, *description.promised_error_rad));
+      }
+      if (interpolation.kind == RowInterpolation::lagrange_degree_7) {
+        description.ccsds_interpolation = "LAGRANGE";
+        description.ccsds_interpolation_degree = 7;
       }
     }
     segments.emplace_back(std::move(description), body, out_frame, std::move(grid), states);
   }
-  {
-    const SignalWatch watch;
-    try {
-      write(options, format, segments);
-    } catch (const Stopped&) {
-      fmt::print(stderr, "polhode: stopped; {} is not written\n", options.output);
-    }
-  }
-  if (caught_signal != 0) {
-    std::raise(caught_signal);  // ends the program as whoever sent it expects
-  }
-  fmt::print(stderr, "polhode: {}: {} rows\n", options.output, rows);
+  write_watched(options, format, segments);
 }
 
 }  // namespace
 
 void add_propagate(CLI::App& app) {
   const auto options = std::make_shared<PropagateOptions>();
-  CLI::App* command = app.add_subcommand("propagate", "A body or scene file to an attitude ephemeris");
-  command->add_option("FILE", options->body_file, "Body file, or scene file")->required();
+  CLI::App* command = app.add_subcommand("propagate", "A body, scene or attitude history to an attitude ephemeris");
+  command
+      ->add_option("FILE", options->body_file, "Body file, scene file, or attitude history (AEM, ACM, FITS, CSV, ECSV)")
+      ->required();
   command->add_option("-o,--output", options->output, "Output; .fits, .fits.gz, .aem, .txt, .xml, .csv, .ecsv")
       ->required();
   command
-      ->add_option("--start", options->starts,
-                   "First time, a date with its scale, or +SPAN from the body's epoch, which is the default")
+      ->add_option(
+          "--start", options->starts,
+          "First time, a date with its scale, or +SPAN from the body's epoch or the history's begin, which is the "
+          "default")
       ->allow_extra_args(false);
   command
-      ->add_option("--stop", options->stops,
-                   "Last time, or +SPAN from the first; --start and --stop again make another segment of an AEM")
+      ->add_option(
+          "--stop", options->stops,
+          "Last time, or +SPAN from the first, of a history its end; --start and --stop again make another segment "
+          "of an AEM")
       ->allow_extra_args(false);
   command->add_option("--step", options->step, "Distance of rows, in s, or with unit s, min, h, d");
   command->add_option("--count", options->count, "Number of rows, both ends included")->check(CLI::PositiveNumber);
@@ -338,8 +422,11 @@ void add_propagate(CLI::App& app) {
                       "As few rows as keep what readers interpolate within this angle, in rad, or with unit deg, "
                       "arcmin, arcsec, mas, uas");
   command->add_option("--times", options->times, "Dates separated by commas, or a file with one date a line");
-  command->add_option("--frame", options->frame, "Inertial frame of the attitude")->capture_default_str();
-  command->add_option("--scale", options->scale, "Time scale of the rows, and of dates that name none")
+  command->add_option("--frame", options->frame, "Inertial frame of the attitude; of a history its own unless given")
+      ->capture_default_str();
+  command
+      ->add_option("--scale", options->scale,
+                   "Time scale of the rows, and of dates that name none; of a history its own unless given")
       ->capture_default_str();
   add_leap_seconds(*command);
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
@@ -349,8 +436,11 @@ void add_propagate(CLI::App& app) {
   command->add_option("--euler-sequence", options->euler_sequence, "Axes of an AEM's Euler angles")
       ->capture_default_str();
   command->add_flag("--full", options->full, "Of a scene: keep every effect, at 1e-9 rad");
+  command->add_flag("--history", options->history,
+                    "Of a message with inertia and attitude history: write the history, not the motion");
   command->callback([options, command] {
     options->frame_given = command->get_option("--frame")->count() > 0;
+    options->scale_given = command->get_option("--scale")->count() > 0;
     propagate(*options);
   });
 }

@@ -85,8 +85,11 @@ int bench(const std::string& folder, std::size_t rows, double allowed) {
     motion->batch({high, low}, polhode::StateArrays::of_structures(q, m));
   };
   const polhode::Instant stop = body.state->epoch + polhode::Seconds{8.64e7, 0.0};
+  polhode::EphemerisDescription description;
+  description.object = body.name;
+  description.method = method.name;
   const polhode::Ephemeris ephemeris(
-      {body.name, "", std::string(method.name), 0.0, {}, ""}, body, polhode::Frame::icrf,
+      description, body, polhode::Frame::icrf,
       polhode::TimeGrid::with_count(body.state->epoch, stop, rows, polhode::TimeScale::tdb), states);
   const std::string path = folder + "/bench.fits";
   constexpr std::size_t turns = 5;

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <numbers>
 
 #include "polhode/base/error.hpp"
@@ -104,6 +106,22 @@ TEST(AsteroidFiles, DamitTumbler) {
   std::string text = read_text_file(path);
   text.replace(text.find("psi0"), 4, "zeta");
   EXPECT_THROW(parse_damit_table(text, "t", ""), InputError);
+  // Any column of a tumbler makes a tumbler of it: names of another table are not taken for a single period.
+  try {
+    parse_damit_table("lambda,beta,phi0,psi0,Pphi,period,jd0\n1,2,3,4,5,6,2451545\n", "t", "");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).substr(0, 61), "t:1: the column 'pphi' of a table of tumblers is unknown; kno");
+  }
+}
+
+TEST(AsteroidFiles, AByteOrderMarkIsNoPartOfAFile) {
+  const std::string path = ::testing::TempDir() + "polhode_marked_spin.txt";
+  std::ofstream(path, std::ios::binary) << "\xEF\xBB\xBF" << read_text_file(samples + "asteroid/spin.txt");
+  EXPECT_EQ(read_body(path).state->q_frame_from_named->coeffs(),
+            read_body(samples + "asteroid/spin.txt").state->q_frame_from_named->coeffs());
+  std::filesystem::remove(path);
+  EXPECT_THROW(read_text_file("/dev/zero"), InputError);  // it has no end
 }
 
 TEST(AsteroidFiles, ShapeModelIsToutatis) {

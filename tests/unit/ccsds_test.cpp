@@ -198,6 +198,29 @@ TEST(CcsdsApm, QuaternionDerivativeIsTheRate) {
       "m:17: the QUAT block comes after the INERTIA block; their order is QUAT, EULER, ANGVEL, SPIN, INERTIA, MAN");
 }
 
+TEST(CcsdsApm, RatesThatContradictEachOtherAreToldOf) {
+  const std::string text = read_text_file(samples + "valid/APMExample08.txt");
+  const auto with_rates = [&](const std::string& rates) {
+    return parse_ccsds_attitude(replaced(text, "QUAT_STOP", rates + "QUAT_STOP"), "m").at(0).body;
+  };
+  const Body other = with_rates("Q1_DOT = 0.001 [1/s]\nQ2_DOT = 0\nQ3_DOT = 0\nQC_DOT = -0.000184791 [1/s]\n");
+  ASSERT_EQ(other.warnings.size(), 1U);
+  EXPECT_NE(other.warnings[0].find("the ANGVEL block and the rates of the QUAT block differ by 0.141 deg/s"),
+            std::string::npos)
+      << other.warnings[0];
+  expect_rate(other.state->omega_named_rad_s, degree * Vector3(0.0001, 0.05, 0.00003));  // of the ANGVEL block
+  EXPECT_TRUE(with_rates("").warnings.empty());
+}
+
+TEST(CcsdsUnits, AreKnownInAnyCaseOfLetters) {
+  EXPECT_EQ(unit_factor("KG*M**2", "kg*m**2"), 1.0);
+  EXPECT_EQ(unit_factor("DEG/S", "deg/s"), 1.0);
+  EXPECT_EQ(unit_factor("rpm", "deg/s"), 6.0);
+  EXPECT_EQ(unit_factor("REV/MIN", "deg/s"), 6.0);
+  EXPECT_EQ(unit_factor("mN*M", "N*m"), 1e-3);
+  EXPECT_EQ(unit_factor("furlong", "m"), std::nullopt);
+}
+
 TEST(CcsdsAem, QuaternionsScalarLastFirstAndReversed) {
   const AttitudeHistory last = *read("valid/AEMExample01.txt").history;
   ASSERT_EQ(last.segments.size(), 2U);
@@ -272,7 +295,7 @@ TEST(CcsdsAem, WhatTheStandardForbids) {
             "m:16: STOP_TIME is before START_TIME");
   EXPECT_EQ(fault_of(replaced(text, "DATA_STOP", "")), "m:23: DATA_START without DATA_STOP");
   EXPECT_EQ(fault_of(replaced(text, "CCSDS_AEM_VERS       = 1.0", "CCSDS_OEM_VERS = 2.0")),
-            "m:1: a OEM message, which holds no attitude; attitude messages are APM, AEM and ACM");
+            "m:1: the message is of kind OEM, which holds no attitude; attitude messages are APM, AEM and ACM");
   // Version 2 types under version 1 are read, with a warning.
   const std::string mixed =
       replaced(read_text_file(samples + "valid/AEMExample05.txt"), "EULER_ANGLE/RATE", "EULER_ANGLE/DERIVATIVE");

@@ -80,7 +80,12 @@ void spin(std::span<const double> high, std::span<const double> low, double* q, 
 
 Ephemeris spinning(TimeGrid times) {
   const Body body = spinner(tdb("2000-01-01T12:00:00"));
-  return {{body.name, body.source, "test", 1e-15, {}, ""}, body, Frame::icrf, std::move(times), spin};
+  EphemerisDescription description;
+  description.object = body.name;
+  description.source = body.source;
+  description.method = "test";
+  description.promised_error_rad = 1e-15;
+  return {std::move(description), body, Frame::icrf, std::move(times), spin};
 }
 
 TEST(TimeGrid, StepIncludesStopWhereItIsHit) {

@@ -198,6 +198,14 @@ TEST(MeshInertia, CavitiesAndSeparatePieces) {
   mesh = plain;
   add(box({3.1, 1.2, 1.3}, {2, 1.1, 1}), false);
   EXPECT_NE(message_of(mesh).find("intersect"), std::string::npos) << message_of(mesh);
+  // Boxes that meet on the diagonals of their faces pierce no facet within.
+  mesh = plain;
+  add(box({2, 2, 2}, {4, 4, 4}), false);
+  EXPECT_NE(message_of(mesh).find("overlap"), std::string::npos) << message_of(mesh);
+  // Touching is allowed.
+  mesh = plain;
+  add(box({4, 1, 1}, {1, 2, 2}), false);
+  EXPECT_NEAR(mass_properties(mesh).volume, 68.0, 1e-12);
 }
 
 TEST(MeshInertia, WhatBoundsNoSolidIsRefused) {
@@ -283,6 +291,13 @@ TEST(MeshFile, FormatsAgree) {
     EXPECT_EQ(mesh.facets.size(), 12U);
     EXPECT_LT(worst(mass_properties(mesh).inertia_about_centre, wanted), 1e-15) << content.substr(0, 40);
   }
+}
+
+TEST(MeshFile, IsKnownByItsContent) {
+  EXPECT_TRUE(is_mesh("# of a modeller\nmtllib a.mtl\no Cube\nvt 0 0\nvn 0 0 1\nv 0 0 0\n"));
+  EXPECT_TRUE(is_mesh("8 12\n0 0 0\n"));
+  EXPECT_FALSE(is_mesh("251 -63\n2451545.0 10\n"));  // a spin.txt without its period
+  EXPECT_FALSE(is_mesh("name = 'v'\n"));
 }
 
 TEST(MeshFile, FaultsNameTheLine) {

@@ -42,17 +42,32 @@ Quaternion from_rotation_vector(const Vector3& v) {
   return q;
 }
 
-/// The rotation vector, in body axes, that leads from a to b in `span_s` seconds: the one nearest to what the rates
-/// say.
-Vector3 turn_between(const AttitudeSample& a, const AttitudeSample& b, double span_s) {
-  const Vector3 shortest = rotation_vector(a.q_frame_from_body.conjugate() * b.q_frame_from_body);
-  if (!a.omega_body_rad_s || !b.omega_body_rad_s) return shortest;
-  const Vector3 expected = 0.5 * span_s * (*a.omega_body_rad_s + *b.omega_body_rad_s);
-  const double angle = shortest.norm();
-  // After a whole number of turns the axis is lost: take that of the rates.
-  const Vector3 axis = angle > 1e-9 ? Vector3(shortest / angle) : Vector3(expected.normalized());
-  const double turns = std::round((expected.dot(axis) - angle) / (2.0 * std::numbers::pi));
-  return shortest + 2.0 * std::numbers::pi * turns * axis;
+/// How the body gets from one row to the next: from a it turns by `turn`, and at the same time about axes that turn
+/// with it by `rest`, each at a constant rate. Rotation vectors.
+struct Passage {
+  Vector3 turn;  // of the mean of the two rates, which may be several turns; 0 without rates
+  Vector3 rest;  // what lacks to b, the shortest way
+
+  Passage(const AttitudeSample& a, const AttitudeSample& b) : turn(Vector3::Zero()) {
+    if (a.omega_body_rad_s && b.omega_body_rad_s) {
+      turn = 0.5 * (b.time - a.time).high * (*a.omega_body_rad_s + *b.omega_body_rad_s);
+    }
+    rest = rotation_vector((a.q_frame_from_body * from_rotation_vector(turn)).conjugate() * b.q_frame_from_body);
+  }
+
+  /// From a to the part x of the way.
+  Quaternion rotation(double x) const { return from_rotation_vector(x * turn) * from_rotation_vector(x * rest); }
+  /// Per unit of x.
+  Vector3 rate(double x) const { return rest + from_rotation_vector(x * rest).conjugate() * turn; }
+};
+
+/// The rate of a row if `time` is that row's but for rounding. `right` is the row after the instant.
+std::optional<Vector3> rate_near(const std::vector<AttitudeSample>& rows, std::size_t right, Instant time) {
+  constexpr double rounding_s = 1e-9;
+  for (const std::size_t i : {right - 1, right}) {
+    if (std::abs((time - rows[i].time).high) <= rounding_s) return rows[i].omega_body_rad_s;
+  }
+  return std::nullopt;
 }
 
 /// A polynomial in Newton's form through values, and derivatives where a node stands twice, with its derivative.
@@ -115,9 +130,14 @@ std::string_view name(AttitudeInterpolation method) {
   return "";
 }
 
-bool AttitudeSegment::has_rates() const {
-  return std::all_of(samples.begin(), samples.end(),
-                     [](const AttitudeSample& s) { return s.omega_body_rad_s.has_value(); });
+Instant AttitudeSegment::first() const {
+  const Instant rows = samples.front().time;
+  return usable_start && rows < *usable_start ? *usable_start : rows;
+}
+
+Instant AttitudeSegment::last() const {
+  const Instant rows = samples.back().time;
+  return usable_stop && *usable_stop < rows ? *usable_stop : rows;
 }
 
 std::size_t AttitudeHistory::rows() const {
@@ -151,7 +171,7 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   const double span_s = (rows[right].time - rows[left].time).high;
   const double x = (time - rows[left].time).high / span_s;
   const bool rates = segment.has_rates();
-  const Vector3 turn = turn_between(rows[left], rows[right], span_s);
+  const Passage passage(rows[left], rows[right]);
   const Quaternion base = rows[left].q_frame_from_body;
   AttitudeSample out;
   out.time = time;
@@ -161,12 +181,13 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   std::size_t count = use_rates ? (std::min(degree, 2 * most_nodes) + 1) / 2 : std::min(degree, most_nodes) + 1;
   count = std::clamp<std::size_t>(count, 2, std::min(most_nodes, rows.size()));
   if (segment.method == AttitudeInterpolation::linear || (count == 2 && !use_rates)) {
-    out.q_frame_from_body = (base * from_rotation_vector(x * turn)).normalized();
-    out.omega_body_rad_s = turn / span_s;
+    out.q_frame_from_body = (base * passage.rotation(x)).normalized();
+    out.omega_body_rad_s = rate_near(rows, right, time).value_or(passage.rate(x) / span_s);
     return out;
   }
 
-  // Components relative to the steady rotation: they stay near (0, 0, 0, 1), whatever the number of turns.
+  // Components relative to a steady rotation: they stay near (0, 0, 0, 1), whatever the number of turns.
+  const Vector3 turn = rates ? passage.turn : passage.rest;
   const std::size_t first = std::min(right > count / 2 ? right - count / 2 : 0, rows.size() - count);
   std::vector<double> nodes;
   std::vector<Vector4> values;
@@ -181,7 +202,7 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
       // q = r p with r' = r turn/2 and q' = q omega/2: p' = (p omega - turn p) / 2, per unit of x.
       Quaternion omega;
       omega.w() = 0.0;
-      omega.vec() = span_s * *rows[i].omega_body_rad_s;
+      omega.vec() = span_s * rows[i].omega_body_rad_s.value();
       Quaternion steady;
       steady.w() = 0.0;
       steady.vec() = turn;
@@ -193,8 +214,16 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   out.q_frame_from_body = (base * from_rotation_vector(x * turn) * p).normalized();
   const Quaternion unit = p.normalized();
   const Vector3 rate = unit.conjugate() * turn + 2.0 * (unit.conjugate() * of_components(slope / p.norm())).vec();
-  out.omega_body_rad_s = rate / span_s;
+  out.omega_body_rad_s = rate_near(rows, right, time).value_or(rate / span_s);
   return out;
+}
+
+void make_signs_continuous(AttitudeSegment& segment) {
+  std::vector<AttitudeSample>& rows = segment.samples;
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const Quaternion arrived = rows[i - 1].q_frame_from_body * Passage(rows[i - 1], rows[i]).rotation(1.0);
+    if (arrived.dot(rows[i].q_frame_from_body) < 0.0) rows[i].q_frame_from_body.coeffs() *= -1.0;
+  }
 }
 
 namespace {

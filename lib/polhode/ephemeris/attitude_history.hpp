@@ -33,17 +33,23 @@ struct AttitudeSegment {
   std::optional<Frame> known_frame;  ///< of `frame`, if it is inertial
   AttitudeInterpolation method = AttitudeInterpolation::linear;
   int degree = 1;
+  bool method_stated = false;           ///< whether the file says method and degree; else they are our choice
   std::optional<Instant> usable_start;  ///< where the file says that interpolation is good, if it does
   std::optional<Instant> usable_stop;
-  std::vector<AttitudeSample> samples;  ///< at least one, times increasing
+  std::vector<AttitudeSample> samples;  ///< at least one, times increasing; rates on all of them or on none
 
-  /// Whether every row has a rate.
-  bool has_rates() const;
+  bool has_rates() const { return !samples.empty() && samples.front().omega_body_rad_s.has_value(); }
+
+  /// The first and the last instant at which an attitude may be asked for: those of the rows, within the usable span.
+  /// `last` is before `first` where the usable span holds no row and lies between none.
+  Instant first() const;
+  Instant last() const;
 };
 
 /// An attitude given by rows.
 struct AttitudeHistory {
   std::string object;
+  std::string object_id;  ///< empty: none is given
   std::string source;
   TimeScale scale = TimeScale::utc;  ///< as written
   bool absolute_time = true;         ///< false: a clock of the spacecraft, only differences count
@@ -58,14 +64,19 @@ struct AttitudeHistory {
 };
 
 /// Attitude and rate at an instant within the rows of a segment, by its method and degree:
-/// - the rows on both sides of the instant are joined by the rotation with constant rate that fits them. With rates it
-///   is the one that the rates ask for, of any number of turns; without, the shortest, below 180 deg.
-/// - LINEAR is that rotation. LAGRANGE of degree n adds the polynomial of degree n through the n + 1 rows around the
-///   instant, in the components of the quaternion relative to that rotation. HERMITE of degree n fits the rates as
-///   well, with (n + 1) / 2 rows; without rates it is LAGRANGE. Fewer rows if the segment is short.
+/// - LINEAR leads from row to row by the shortest rotation, below 180 deg, at a constant rate. With rates it is the
+/// mean
+///   of the two rows' rates, of any number of turns, with what lacks to the next row spread over the way.
+/// - LAGRANGE of degree n is the polynomial of degree n through the n + 1 rows around the instant, in the components of
+///   the quaternion relative to that steady rotation (its mean rate, or without rates the shortest). HERMITE of degree
+///   n fits the rates as well, with (n + 1) / 2 rows; without rates it is LAGRANGE. Fewer rows if the segment is short.
 ///
-/// Rows are met exactly. `time` more than 1 us outside of the rows (two files round one time differently): InputError.
+/// Rows are met exactly, and within a nanosecond of one the rate is the row's; elsewhere it is the derivative of the
+/// attitude. `time` more than 1 us outside of the rows (two files round one time differently): InputError.
 AttitudeSample interpolate(const AttitudeSegment& segment, Instant time);
+
+/// Gives the quaternions of the rows the signs with which interpolate() is continuous over the whole segment.
+void make_signs_continuous(AttitudeSegment& segment);
 
 /// Differences between two attitudes over time.
 struct AttitudeDifference {

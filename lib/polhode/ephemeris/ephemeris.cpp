@@ -35,14 +35,66 @@ void AttitudeBlock::reserve_rows(std::size_t count) {
 
 Ephemeris::Ephemeris(EphemerisDescription description, const Body& body, Frame frame, TimeGrid times,
                      PrincipalMotion motion)
-    : description_(std::move(description)), frame_(frame), times_(std::move(times)), motion_(std::move(motion)) {
+    : description_(std::move(description)), frame_name_(name(frame)), times_(std::move(times)) {
   if (!body.inertia) throw InputError("the body has no inertia; an ephemeris needs one");
   if (!body.state) throw InputError("the body has no spin state; an ephemeris needs its epoch");
-  inertia_ = *body.inertia;
+  inertia_ = body.inertia;
   epoch_ = body.state->epoch;
-  if (!inertia_.named_from_principal.isIdentity(0.0)) {
-    q_principal_from_named_ = inertia_.q_named_from_principal().conjugate();
+  std::optional<Quaternion> q_principal_from_named;  // absent where the axes are the same
+  if (!inertia_->named_from_principal.isIdentity(0.0)) {
+    q_principal_from_named = inertia_->q_named_from_principal().conjugate();
   }
+  rows_ = [motion = std::move(motion), q_principal_from_named, named_from_principal = inertia_->named_from_principal,
+           inverse_moments = Vector3(inertia_->principal_moments.cwiseInverse())](std::size_t count,
+                                                                                  AttitudeBlock& block) {
+    motion({block.elapsed_high.data(), count}, {block.elapsed_low.data(), count}, block.q_frame_from_named.data(),
+           block.momentum_named.data());
+    double* q_row = block.q_frame_from_named.data();
+    double* m_row = block.momentum_named.data();
+    double* omega_row = block.omega_named_rad_s.data();
+    for (std::size_t i = 0; i < count; ++i, q_row += 4, m_row += 3, omega_row += 3) {
+      Eigen::Map<Vector3> momentum(m_row);
+      Eigen::Map<Vector3> omega(omega_row);
+      omega = momentum.cwiseProduct(inverse_moments);
+      if (!q_principal_from_named) continue;
+      Eigen::Map<Eigen::Vector4d> q(q_row);
+      q = scalar_first(from_scalar_first(q) * *q_principal_from_named);
+      momentum = (named_from_principal * momentum).eval();
+      omega = (named_from_principal * omega).eval();
+    }
+  };
+}
+
+Ephemeris::Ephemeris(EphemerisDescription description, AttitudeSegment segment, std::optional<Frame> frame,
+                     TimeGrid times)
+    : description_(std::move(description)),
+      frame_name_(frame ? name(*frame) : segment.frame),
+      times_(std::move(times)),
+      epoch_(segment.samples.front().time) {
+  if (segment.samples.size() == 1 && !segment.has_rates()) {
+    throw InputError("an attitude history of one row without rate has no angular velocity");
+  }
+  Quaternion q_frame_from_segment = Quaternion::Identity();
+  if (frame && frame != segment.known_frame) {
+    if (!segment.known_frame) {
+      throw InputError(
+          fmt::format("the attitude history refers to {}, which cannot be led to {}: no inertial frame that "
+                      "is known",
+                      segment.frame, name(*frame)));
+    }
+    q_frame_from_segment = q_icrf_from(*frame).conjugate() * q_icrf_from(*segment.known_frame);
+  }
+  make_signs_continuous(segment);
+  rows_ = [segment = std::move(segment), q_frame_from_segment, epoch = epoch_](std::size_t count,
+                                                                               AttitudeBlock& block) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const AttitudeSample row = interpolate(segment, epoch + Seconds{block.elapsed_high[i], block.elapsed_low[i]});
+      Eigen::Map<Eigen::Vector4d>(&block.q_frame_from_named[4 * i]) =
+          scalar_first(q_frame_from_segment * row.q_frame_from_body);
+      Eigen::Map<Vector3>(&block.omega_named_rad_s[3 * i]) = row.omega_body_rad_s.value();
+      Eigen::Map<Vector3>(&block.momentum_named[3 * i]).setZero();
+    }
+  };
 }
 
 void Ephemeris::refuse_equal_times(std::size_t first, TimeResolution resolution, std::span<const Seconds> times) const {
@@ -67,22 +119,7 @@ void Ephemeris::fill(std::size_t first, std::size_t count, TimeResolution resolu
   const std::span high(block.elapsed_high.data(), count);
   const std::span low(block.elapsed_low.data(), count);
   times_.elapsed_tt(times, epoch_, high, low, block.scale_nodes);
-  motion_(high, low, block.q_frame_from_named.data(), block.momentum_named.data());
-
-  const Vector3 inverse_moments = inertia_.principal_moments.cwiseInverse();
-  double* q_row = block.q_frame_from_named.data();
-  double* m_row = block.momentum_named.data();
-  double* omega_row = block.omega_named_rad_s.data();
-  for (std::size_t i = 0; i < count; ++i, q_row += 4, m_row += 3, omega_row += 3) {
-    Eigen::Map<Vector3> momentum(m_row);
-    Eigen::Map<Vector3> omega(omega_row);
-    omega = momentum.cwiseProduct(inverse_moments);
-    if (!q_principal_from_named_) continue;
-    Eigen::Map<Eigen::Vector4d> q(q_row);
-    q = scalar_first(from_scalar_first(q) * *q_principal_from_named_);
-    momentum = (inertia_.named_from_principal * momentum).eval();
-    omega = (inertia_.named_from_principal * omega).eval();
-  }
+  rows_(count, block);
   if (!all_finite({block.q_frame_from_named.data(), 4 * count}) ||
       !all_finite({block.omega_named_rad_s.data(), 3 * count}) ||
       !all_finite({block.momentum_named.data(), 3 * count}) || !all_finite(high)) {

@@ -9,6 +9,7 @@
 
 #include "polhode/base/geometry.hpp"
 #include "polhode/body/body.hpp"
+#include "polhode/ephemeris/attitude_history.hpp"
 #include "polhode/ephemeris/time_grid.hpp"
 #include "polhode/frames/frame.hpp"
 
@@ -21,9 +22,9 @@ struct AttitudeBlock {
   std::vector<Seconds> time;               ///< of the ephemeris' scale, from TimeGrid::reference()
   std::vector<double> q_frame_from_named;  ///< rows x 4, scalar first, v_frame = q v_named q*, sign continuous
   std::vector<double> omega_named_rad_s;   ///< rows x 3, components in the named (body) axes
-  std::vector<double> momentum_named;      ///< rows x 3, named axes; N m s if the inertia is absolute
+  std::vector<double> momentum_named;      ///< rows x 3, named axes; N m s if the inertia is absolute, 0 without one
   TimeGrid::ScaleNodes scale_nodes;
-  std::vector<double> elapsed_high, elapsed_low;  ///< TT seconds from the body's epoch
+  std::vector<double> elapsed_high, elapsed_low;  ///< TT seconds from the body's epoch, or the history's first row
 
   void reserve_rows(std::size_t count);
 };
@@ -38,26 +39,37 @@ using PrincipalMotion =
 /// What an ephemeris says about itself.
 struct EphemerisDescription {
   std::string object;
-  std::string source;                   ///< of the body's numbers
-  std::string method;                   ///< of the motion
-  double promised_error_rad = 0.0;      ///< of every row, and of what stands between rows if `tolerance_rad` is given
-  std::optional<double> tolerance_rad;  ///< promised for the interpolation that the format's readers do
-  std::string interpolation;            ///< that interpolation, in words, where one is promised
+  std::string source;                        ///< of the body's numbers
+  std::string method;                        ///< of the motion
+  std::optional<double> promised_error_rad;  ///< of every row, and of what stands between rows if `tolerance_rad` is
+                                             ///< given; absent: nothing is known
+  std::optional<double> tolerance_rad;       ///< promised for the interpolation that the format's readers do
+  std::string interpolation;                 ///< that interpolation, in words, where one is promised
+  std::string ccsds_interpolation;           ///< INTERPOLATION_METHOD of CCSDS, empty: none is recommended
+  int ccsds_interpolation_degree = 0;
+  std::string object_id;  ///< empty: as `object`
+  std::string body_axes;  ///< their name in messages; empty: SC_BODY_1, or BODY in FITS
 };
 
-/// The attitude of the axes that a body's file names, at the times of a grid, computed in blocks when asked for: a
-/// table of any length in constant memory. Thread-safe.
+/// The attitude of a body's named axes at the times of a grid, computed in blocks when asked for: a table of any length
+/// in constant memory. Thread-safe.
 class Ephemeris {
  public:
-  /// `body` has an inertia and a state; `frame` is the inertial frame of `motion` and of the rows.
+  /// The motion of a body, of the axes that its file names. `body` has an inertia and a state; `frame` is the inertial
+  /// frame of `motion` and of the rows.
   Ephemeris(EphemerisDescription description, const Body& body, Frame frame, TimeGrid times, PrincipalMotion motion);
+
+  /// A segment of an attitude history, as interpolate() has it. `times` lie between its first() and last(). The rows
+  /// refer to `frame`, or if there is none to the segment's own. Throws InputError if the segment's frame cannot be led
+  /// to `frame`, or if it has a single row without rate.
+  Ephemeris(EphemerisDescription description, AttitudeSegment segment, std::optional<Frame> frame, TimeGrid times);
 
   const EphemerisDescription& description() const { return description_; }
   EphemerisDescription& description() { return description_; }
-  const Inertia& inertia() const { return inertia_; }
-  Frame frame() const { return frame_; }
+  /// Of the body; absent for an attitude history.
+  const std::optional<Inertia>& inertia() const { return inertia_; }
+  const std::string& frame_name() const { return frame_name_; }
   const TimeGrid& times() const { return times_; }
-  Instant epoch() const { return epoch_; }
 
   /// Rows first … first + count - 1. Throws InputError where two rows fall on one time of the resolution,
   /// ComputationError where a number is not finite.
@@ -67,12 +79,11 @@ class Ephemeris {
   void refuse_equal_times(std::size_t first, TimeResolution resolution, std::span<const Seconds> times) const;
 
   EphemerisDescription description_;
-  Inertia inertia_;
-  Frame frame_;
+  std::optional<Inertia> inertia_;
+  std::string frame_name_;
   TimeGrid times_;
-  PrincipalMotion motion_;
-  Instant epoch_;
-  std::optional<Quaternion> q_principal_from_named_;  // absent where the axes are the same
+  Instant epoch_;                                                // from which `rows_` counts
+  std::function<void(std::size_t count, AttitudeBlock&)> rows_;  // attitude, rate and momentum at the elapsed times
 };
 
 }  // namespace polhode

@@ -218,7 +218,9 @@ bool is_damit_table(std::string_view text) {
 
 Body parse_damit_table(std::string_view text, const std::string& path, const std::string& row) {
   const std::vector<std::string> names = csv_header(text);
-  const bool tumbler = has_all(names, {"p_phi", "p_psi"});
+  constexpr std::array<std::string_view, 6> of_tumblers{"psi0", "p_phi", "p_psi", "i1", "i2", "i3"};
+  const bool tumbler = std::any_of(of_tumblers.begin(), of_tumblers.end(),
+                                   [&](std::string_view name) { return has_all(names, {name}); });
   constexpr std::array<std::string_view, 11> known{"lambda", "beta", "phi0", "psi0", "theta0", "p_phi",
                                                    "p_psi",  "i1",   "i2",   "i3",   "jd0"};
   constexpr std::array<std::string_view, 9> bookkeeping{"id",      "asteroid_id",  "created", "modified", "comment",

@@ -1,6 +1,5 @@
 #include "polhode/read/attitude_history_file.hpp"
 
-#include <fitsio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
+#include "polhode/read/fits_table.hpp"
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
@@ -17,12 +17,18 @@
 namespace polhode {
 namespace {
 
-/// Names the frame and the interpolation of rows from a file that says nothing of the latter.
+/// Names the frame and the interpolation of rows from a file that says nothing of the latter. A frame that is not known
+/// is a name only, as in CCSDS messages.
 void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string& frame_name, const std::string& path) {
   if (segment.samples.empty()) throw InputError({path, 0}, "the table has no rows");
   segment.frame = frame_name;
-  const Frame known = frame(frame_name);
-  if (is_inertial(known)) segment.known_frame = known;
+  try {
+    const Frame known = frame(frame_name);
+    if (is_inertial(known)) segment.known_frame = known;
+  } catch (const InputError&) {
+    history.warnings.push_back(
+        fmt::format("{}: the frame {:.40} is not known; it is taken as a name only", path, frame_name));
+  }
   const bool rates = segment.has_rates();
   segment.method = rates ? AttitudeInterpolation::hermite : AttitudeInterpolation::linear;
   segment.degree = rates ? 3 : 1;
@@ -47,92 +53,10 @@ void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const Sourc
 
 // --- FITS -----------------------------------------------------------------------------------------------------------
 
-class FitsTable {
- public:
-  explicit FitsTable(const std::string& path) : path_(path) {
-    int status = 0;
-    fits_open_diskfile(&file_, path.c_str(), READONLY, &status);
-    check(status, "is no FITS file");
-    std::array<char, 9> extension{"ATTITUDE"};
-    fits_movnam_hdu(file_, BINARY_TBL, extension.data(), 0, &status);
-    check(status, "has no table ATTITUDE");
-    long count = 0;
-    fits_get_num_rows(file_, &count, &status);
-    check(status, "has a broken table ATTITUDE");
-    rows_ = static_cast<std::size_t>(std::max(count, 0L));
-  }
-  FitsTable(const FitsTable&) = delete;
-  FitsTable& operator=(const FitsTable&) = delete;
-  ~FitsTable() {
-    int status = 0;
-    if (file_ != nullptr) fits_close_file(file_, &status);
-    fits_clear_errmsg();
-  }
+bool is_fits(std::string_view text) { return text.starts_with("SIMPLE  ="); }
 
-  std::size_t rows() const { return rows_; }
-
-  std::optional<std::string> text(const char* key) const {
-    int status = 0;
-    std::array<char, FLEN_VALUE> value{};
-    fits_read_key(file_, TSTRING, key, value.data(), nullptr, &status);
-    fits_clear_errmsg();
-    return status == 0 ? std::optional<std::string>(std::string(trimmed(value.data()))) : std::nullopt;
-  }
-
-  std::optional<double> number(const char* key) const {
-    int status = 0;
-    double value = 0.0;
-    fits_read_key(file_, TDOUBLE, key, &value, nullptr, &status);
-    fits_clear_errmsg();
-    return status == 0 ? std::optional<double>(value) : std::nullopt;
-  }
-
-  /// A column of `width` numbers a row, and its unit; nothing if it is absent.
-  std::optional<std::vector<double>> column(const std::string& name, std::size_t width, std::string& unit) const {
-    int status = 0;
-    int index = 0;
-    std::string pattern = name;
-    fits_get_colnum(file_, CASEINSEN, pattern.data(), &index, &status);
-    if (status == COL_NOT_FOUND) {
-      fits_clear_errmsg();
-      return std::nullopt;
-    }
-    int type = 0;
-    long repeat = 0;
-    long bytes = 0;
-    fits_get_coltype(file_, index, &type, &repeat, &bytes, &status);
-    check(status, "has a broken table ATTITUDE");
-    if (repeat != static_cast<long>(width) || (type != TDOUBLE && type != TFLOAT)) {
-      throw InputError({path_, 0},
-                       fmt::format("column {} has {} values a row; {} real numbers are wanted", name, repeat, width));
-    }
-    unit = text(fmt::format("TUNIT{}", index).c_str()).value_or("");
-    std::vector<double> values(rows_ * width);
-    int any_null = 0;
-    double null_value = std::nan("");
-    fits_read_col(file_, TDOUBLE, index, 1, 1, static_cast<LONGLONG>(values.size()), &null_value, values.data(),
-                  &any_null, &status);
-    check(status, "ends within its table");
-    return values;
-  }
-
- private:
-  void check(int status, const char* what) const {
-    if (status == 0) return;
-    fits_clear_errmsg();
-    throw InputError({path_, 0}, fmt::format("{} (cfitsio {})", what, status));
-  }
-
-  std::string path_;
-  fitsfile* file_ = nullptr;
-  std::size_t rows_ = 0;
-};
-
-/// FITS, perhaps compressed by gzip.
-bool is_fits(std::string_view text) { return text.starts_with("SIMPLE  =") || text.starts_with("\x1f\x8b"); }
-
-AttitudeHistory read_fits(const std::string& path) {
-  const FitsTable table(path);
+AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
+  const FitsTable table(bytes, "ATTITUDE", path);
   const auto fail = [&path](const std::string& message) { return InputError({path, 0}, message); };
   AttitudeHistory history;
   history.object = table.text("OBJECT").value_or("");
@@ -168,22 +92,18 @@ AttitudeHistory read_fits(const std::string& path) {
     frame_name = "ICRF";
     history.warnings.push_back(path + ": no REFFRAMA; ICRF is assumed");
   }
-  std::string time_unit;
-  std::string low_unit;
-  std::string unit;
-  std::string rate_unit;
-  const auto time = table.column("TIME", 1, time_unit);
-  const auto low = table.column("TIME_LO", 1, low_unit);
-  const auto q = table.column("QPARAM", 4, unit);
-  const auto omega = table.column("OMEGA", 3, rate_unit);
+  const auto time = table.column("TIME", 1);
+  const auto low = table.column("TIME_LO", 1);
+  const auto q = table.column("QPARAM", 4);
+  const auto omega = table.column("OMEGA", 3);
   if (!time || !q) throw fail("the table ATTITUDE has no column TIME or QPARAM");
-  const bool days = time_unit == "d" || time_unit == "day";
-  if (!days && time_unit != "s" && !time_unit.empty())
-    throw fail(fmt::format("TIME is in '{}'; s and d can be read", time_unit));
+  const bool days = time->unit == "d" || time->unit == "day";
+  if (!days && time->unit != "s" && !time->unit.empty())
+    throw fail(fmt::format("TIME is in '{:.20}'; s and d can be read", time->unit));
   double rate_factor = 1.0;
   if (omega) {
     try {
-      rate_factor = angular_velocity_unit_rad_s(rate_unit.empty() ? "rad/s" : rate_unit);
+      rate_factor = angular_velocity_unit_rad_s(omega->unit.empty() ? "rad/s" : omega->unit);
     } catch (const InputError& error) {
       throw fail(std::string("OMEGA: ") + error.what());
     }
@@ -193,16 +113,15 @@ AttitudeHistory read_fits(const std::string& path) {
   AttitudeSegment segment;
   segment.body = table.text("REFFRAMB").value_or("BODY");
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    const double seconds = days ? (*time)[row] * 86400.0 : (*time)[row];
-    if (!std::isfinite(seconds)) throw fail(fmt::format("row {}: TIME is not finite", row + 1));
-    const Instant elapsed = zero + Seconds{seconds, low ? (*low)[row] : 0.0};
-    const double* v = q->data() + 4 * row;
+    const double seconds = days ? time->values[row] * 86400.0 : time->values[row];
+    if (!(std::abs(seconds) < 1e12)) throw fail(fmt::format("row {}: TIME is out of range", row + 1));
+    const Instant elapsed = zero + Seconds{seconds, low ? low->values[row] : 0.0};
+    const double* v = q->values.data() + 4 * row;
     const Quaternion given = order == "XYZS" ? Quaternion(v[3], v[0], v[1], v[2]) : Quaternion(v[0], v[1], v[2], v[3]);
     AttitudeSample sample{instant_from_j2000(elapsed.tt_since_j2000(), history.scale),
                           direction == "A2B" ? given : given.conjugate(),
                           {}};
-    if (omega)
-      sample.omega_body_rad_s = rate_factor * Vector3((*omega)[3 * row], (*omega)[3 * row + 1], (*omega)[3 * row + 2]);
+    if (omega) sample.omega_body_rad_s = rate_factor * Eigen::Map<const Vector3>(omega->values.data() + 3 * row);
     add_row(segment, sample, {path, 0});
   }
   finish(history, std::move(segment), frame_name, path);
@@ -239,15 +158,19 @@ std::vector<std::string_view> cells_of(std::string_view line) {
   return cells;
 }
 
-AttitudeHistory read_text_table(std::string_view text, const std::string& path) {
+AttitudeHistory parse_text_table(std::string_view text, const std::string& path) {
   AttitudeHistory history;
   history.source = "table of text";
-  std::string frame_name;
   // "# - {frame_a: "ICRF"}" of an ECSV header.
-  if (const std::size_t at = text.find("{frame_a: \""); at != std::string_view::npos) {
-    const std::string_view value = text.substr(at + 11, 64);
-    frame_name = value.substr(0, value.find('"'));
-  }
+  const auto meta = [text](std::string_view key) {
+    const std::string begin = fmt::format("# - {{{}: \"", key);
+    const std::size_t at = text.find(begin);
+    if (at == std::string_view::npos) return std::string();
+    const std::string_view value = text.substr(at + begin.size(), 64);
+    return std::string(value.substr(0, value.find('"')));
+  };
+  history.object = meta("object");
+  std::string frame_name = meta("frame_a");
   if (frame_name.empty()) {
     frame_name = "ICRF";
     history.warnings.push_back(path + ": a CSV table says no frame; ICRF is assumed");
@@ -298,11 +221,7 @@ AttitudeHistory read_text_table(std::string_view text, const std::string& path) 
     if (rates) sample.omega_body_rad_s = Vector3(v[4], v[5], v[6]);
     add_row(segment, sample, here);
   }
-  try {
-    finish(history, std::move(segment), frame_name, path);
-  } catch (const InputError& error) {
-    throw InputError({path, 0}, error.what());
-  }
+  finish(history, std::move(segment), frame_name, path);
   return history;
 }
 
@@ -310,17 +229,27 @@ AttitudeHistory read_text_table(std::string_view text, const std::string& path) 
 
 bool is_attitude_table(std::string_view text) { return is_fits(text) || is_text_table(text); }
 
-std::optional<AttitudeHistory> read_attitude_history(const std::string& path) {
-  const std::string text = read_text_file(path);
-  if (is_fits(text)) return read_fits(path);
-  if (is_ccsds(text)) {
-    for (CcsdsAttitudeMessage& message : parse_ccsds_attitude(text, path)) {
-      if (message.history) return std::move(message.history);
+std::optional<AttitudeHistory> parse_attitude_history(std::string_view content, const std::string& name) {
+  if (is_fits(content)) return parse_fits(content, name);
+  if (is_ccsds(content)) {
+    std::optional<AttitudeHistory> first;
+    for (CcsdsAttitudeMessage& message : parse_ccsds_attitude(content, name)) {
+      if (!message.history) continue;
+      if (!first) {
+        first = std::move(message.history);
+      } else {
+        first->warnings.push_back(
+            fmt::format("{}: a further attitude history, of {}; the first is used", name, message.body.name));
+      }
     }
-    return std::nullopt;
+    return first;
   }
-  if (is_text_table(text)) return read_text_table(text, path);
+  if (is_text_table(content)) return parse_text_table(content, name);
   return std::nullopt;
+}
+
+std::optional<AttitudeHistory> read_attitude_history(const std::string& path) {
+  return parse_attitude_history(read_text_file(path), path);
 }
 
 }  // namespace polhode

@@ -18,6 +18,9 @@ namespace polhode {
 /// InputError for faults, with file and line where there are lines, FileError if the file cannot be read.
 std::optional<AttitudeHistory> read_attitude_history(const std::string& path);
 
+/// The same from memory; `name` stands for the file in messages.
+std::optional<AttitudeHistory> parse_attitude_history(std::string_view content, const std::string& name);
+
 /// Whether the content is such a table in FITS or text.
 bool is_attitude_table(std::string_view text);
 

@@ -32,8 +32,8 @@ Body body_of_messages(const std::string& text, const std::string& path) {
 }
 
 /// A table of attitudes: its first row is a state.
-Body body_of_table(const std::string& path) {
-  const AttitudeHistory history = read_attitude_history(path).value();
+Body body_of_table(const std::string& text, const std::string& path) {
+  const AttitudeHistory history = parse_attitude_history(text, path).value();
   const AttitudeSegment& segment = history.segments.front();
   const AttitudeSample& row = segment.samples.front();
   Body body;
@@ -70,19 +70,24 @@ Body body_of_mesh(const std::string& text, const std::string& path) {
 
 }  // namespace
 
-Body read_body(const std::string& path) {
+Body read_body(const std::string& path, const ContentOf& content_of) {
   // FILE#ID names a row of a table.
   const std::size_t mark = std::filesystem::exists(path) ? std::string::npos : path.rfind('#');
   const std::string file = path.substr(0, mark);
-  const std::string text = read_text_file(file);
+  const std::string text = content_of(file);
   if (is_ccsds(text)) return body_of_messages(text, file);
-  if (is_attitude_table(text)) return body_of_table(file);
+  if (is_attitude_table(text)) return body_of_table(text, file);
   if (is_damit_table(text))
     return parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1));
   if (is_damit_spin(text)) return parse_damit_spin(text, file);
   if (is_shape_model(text)) return parse_shape_model(text, file);
   if (is_mesh(text)) return body_of_mesh(text, file);
-  return parse_body_file(text, file);
+  if (text.find('=') == std::string::npos) {
+    throw InputError({file, 0},
+                     "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "
+                     "(FITS, CSV, ECSV), DAMIT's spin.txt, shape.txt and tables, SHAPE models, meshes (OBJ, PLY, STL)");
+  }
+  return parse_body_file(text, file, content_of);
 }
 
 }  // namespace polhode

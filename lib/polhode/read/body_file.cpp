@@ -71,13 +71,13 @@ double length_unit_m(const TomlTable& table) {
   throw table.error("length_unit", fmt::format("'{}' is not a unit of length; allowed: m, km, mm", unit));
 }
 
-Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path) {
+Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
   table.allow_only({"mesh", "mass_kg", "density_kg_m3", "length_unit"});
   const std::filesystem::path named = table.text("mesh");
   const std::string file = (named.is_absolute() ? named : std::filesystem::path(path).parent_path() / named).string();
   const double unit_m =
       table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
-  const TriangleMesh mesh = read_mesh_file(file);
+  const TriangleMesh mesh = read_mesh(content_of(file), file);
   const MassProperties solid = table.located("mesh", [&] { return mass_properties(mesh); });
   body.notes.push_back(describe(solid));
   return uniform_solid(table, "mesh", solid, unit_m);
@@ -98,8 +98,8 @@ Inertia read_ellipsoid_inertia(const TomlTable& table) {
   return uniform_solid(table, "semi_axes", solid, unit_m);
 }
 
-Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path) {
-  if (table.has("mesh")) return read_mesh_inertia(table, body, path);
+Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
+  if (table.has("mesh")) return read_mesh_inertia(table, body, path, content_of);
   if (table.has("semi_axes")) return read_ellipsoid_inertia(table);
   table.allow_only(
       {"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis", "short_axis"});
@@ -294,13 +294,13 @@ void read_spin(const TomlTable& table, Body& body) {
 
 }  // namespace
 
-Body parse_body_file(std::string_view text, const std::string& path) {
+Body parse_body_file(std::string_view text, const std::string& path, const ContentOf& content_of) {
   const TomlTable root = TomlTable::parse(text, path);
   root.allow_only({"name", "source", "inertia", "state", "spin"});
   Body body;
   body.name = root.text("name");
   body.source = root.optional_text("source").value_or("");
-  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, path);
+  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, path, content_of);
   if (root.has("state") && root.has("spin")) throw root.error("spin", "either [state] or [spin], not both");
   if (root.has("state")) body.state = read_state(root.table("state"), body);
   if (root.has("spin")) read_spin(root.table("spin"), body);

@@ -108,8 +108,9 @@ Quaternion attitude(const std::array<double, 4>& q, const SourceLocation& where)
 
 }  // namespace
 
-CaseFile read_case_file(const std::string& path) {
-  const std::string text = read_text_file(path);
+CaseFile read_case_file(const std::string& path) { return parse_case_file(read_text_file(path), path); }
+
+CaseFile parse_case_file(std::string_view text, const std::string& path) {
   std::optional<Vector3> moments, momentum;
   std::optional<Quaternion> q;
   std::vector<Torque> torques;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "polhode/motion/motion.hpp"
@@ -24,5 +25,8 @@ struct CaseFile {
 
 /// Throws InputError with file and line, FileError if the file cannot be read.
 CaseFile read_case_file(const std::string& path);
+
+/// The same from memory; `path` is for messages.
+CaseFile parse_case_file(std::string_view text, const std::string& path);
 
 }  // namespace polhode

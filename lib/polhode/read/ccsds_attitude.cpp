@@ -772,13 +772,19 @@ class Reader {
         if (!same && !turned) continue;
         // Of B relative to A; of the body relative to the frame it is the opposite if the body is A.
         const double sign = same ? 1.0 : -1.0;
-        if (same_frame(c, s.body) || c == (same ? "REF_FRAME_B" : "REF_FRAME_A")) {
-          s.omega_body_rad_s = sign * omega;
-        } else if (same_frame(c, s.frame) || c == (same ? "REF_FRAME_A" : "REF_FRAME_B")) {
-          s.omega_body_rad_s = sign * (s.q_frame_from_body.conjugate() * omega);
-        } else {
+        Vector3 of_body = sign * omega;
+        if (same_frame(c, s.frame) || c == (same ? "REF_FRAME_A" : "REF_FRAME_B")) {
+          of_body = s.q_frame_from_body.conjugate() * of_body;
+        } else if (!same_frame(c, s.body) && c != (same ? "REF_FRAME_B" : "REF_FRAME_A")) {
           continue;
         }
+        if (s.omega_body_rad_s && !of_body.isApprox(*s.omega_body_rad_s, 1e-3)) {
+          warn(
+              fmt::format("line {}: the ANGVEL block and the rates of the {} block differ by {:.3g} deg/s; the ANGVEL "
+                          "block is used",
+                          block.line, s.block, (of_body - *s.omega_body_rad_s).norm() / degree));
+        }
+        s.omega_body_rad_s = of_body;
         used = true;
       }
       if (!used) {
@@ -866,6 +872,7 @@ class Reader {
         out_.body.name = f.text("OBJECT_NAME");
         id = f.normal("OBJECT_ID");
         history.object = out_.body.name;
+        history.object_id = f.text("OBJECT_ID");
         history.scale = clock_.scale;
         history.absolute_time = clock_.known;
       } else if (f.normal("OBJECT_ID") != id) {
@@ -1131,6 +1138,7 @@ class Reader {
                          ? AttitudeInterpolation::linear
                          : (method == "LAGRANGE" ? AttitudeInterpolation::lagrange : AttitudeInterpolation::hermite);
     segment.degree = f.has("INTERPOLATION_DEGREE") ? static_cast<int>(f.number("INTERPOLATION_DEGREE")) : 1;
+    segment.method_stated = true;
     const std::size_t per_row = rates && segment.method == AttitudeInterpolation::hermite ? 2 : 1;
     const std::size_t needed = (static_cast<std::size_t>(segment.degree) + per_row) / per_row;
     if (segment.method != AttitudeInterpolation::linear && segment.samples.size() < needed) {
@@ -1194,6 +1202,7 @@ class Reader {
     bool last_is_single = false;
     AttitudeHistory history;
     history.object = out_.body.name;
+    history.object_id = metadata.text("INTERNATIONAL_DESIGNATOR");
     history.scale = clock_.scale;
     history.absolute_time = clock_.known;
     std::size_t covariances = 0;

@@ -39,9 +39,10 @@ bool is_wanted(std::string_view kind, CcsdsContent content) {
 void check_kind(std::string_view kind, CcsdsContent content, const SourceLocation& where) {
   if (is_wanted(kind, content)) return;
   throw InputError(
-      where, content == CcsdsContent::attitude
-                 ? fmt::format("a {} message, which holds no attitude; attitude messages are APM, AEM and ACM", kind)
-                 : fmt::format("a {} message, which holds no trajectory; an OEM is wanted", kind));
+      where,
+      content == CcsdsContent::attitude
+          ? fmt::format("the message is of kind {}, which holds no attitude; attitude messages are APM, AEM and ACM", kind)
+          : fmt::format("the message is of kind {}, which holds no trajectory; an OEM is wanted", kind));
 }
 
 // --- KVN ---------------------------------------------------------------------------------------------------------

@@ -22,11 +22,12 @@ struct NamedUnit {
 };
 
 constexpr double degree = 1.0;  // angles are held in degrees, so that the usual files convert by exactly 1
-constexpr std::array<NamedUnit, 25> names{{{"deg", {degree, {1, 0, 0, 0}}},
+constexpr std::array<NamedUnit, 26> names{{{"deg", {degree, {1, 0, 0, 0}}},
                                            {"rad", {180.0 / std::numbers::pi, {1, 0, 0, 0}}},
                                            {"arcmin", {1.0 / 60.0, {1, 0, 0, 0}}},
                                            {"arcsec", {1.0 / 3600.0, {1, 0, 0, 0}}},
                                            {"rev", {360.0, {1, 0, 0, 0}}},
+                                           {"rpm", {6.0, {1, -1, 0, 0}}},
                                            {"s", {1.0, {0, 1, 0, 0}}},
                                            {"ms", {1e-3, {0, 1, 0, 0}}},
                                            {"us", {1e-6, {0, 1, 0, 0}}},
@@ -48,10 +49,16 @@ constexpr std::array<NamedUnit, 25> names{{{"deg", {degree, {1, 0, 0, 0}}},
                                            {"1", {1.0, {}}},
                                            {"n/a", {1.0, {}}}}};
 
+/// In any case of letters: real files write DEG and KG*M**2.
+const NamedUnit* find_unit(std::string_view name) {
+  const auto* const found = std::find_if(names.begin(), names.end(), [upper = upper_case(name)](const NamedUnit& n) {
+    return upper_case(n.name) == upper;
+  });
+  return found == names.end() ? nullptr : &*found;
+}
+
 std::optional<Unit> parse_unit(std::string_view text) {
-  for (const NamedUnit& n : names) {
-    if (n.name == text) return n.unit;
-  }
+  if (const NamedUnit* whole = find_unit(text)) return whole->unit;
   Unit product;
   double sign = 1.0;
   while (true) {
@@ -70,10 +77,7 @@ std::optional<Unit> parse_unit(std::string_view text) {
       exponent *= *number;
       text.remove_prefix(stop);
     }
-    const NamedUnit* found = nullptr;
-    for (const NamedUnit& n : names) {
-      if (n.name == name) found = &n;
-    }
+    const NamedUnit* found = find_unit(name);
     if (found == nullptr) return std::nullopt;
     product.size *= std::pow(found->unit.size, exponent);
     for (std::size_t k = 0; k < 4; ++k) product.powers[k] += exponent * found->unit.powers[k];

@@ -74,7 +74,11 @@ LeapSecond month_of(const Word& word, const std::string& path) {
 }  // namespace
 
 std::vector<LeapSecond> read_leap_seconds(const std::string& path) {
-  const std::vector<Word> words = data_words(read_text_file(path));
+  return parse_leap_seconds(read_text_file(path), path);
+}
+
+std::vector<LeapSecond> parse_leap_seconds(std::string_view text, const std::string& path) {
+  const std::vector<Word> words = data_words(text);
   const auto key =
       std::find_if(words.begin(), words.end(), [](const Word& word) { return word.text == "DELTET/DELTA_AT"; });
   if (words.end() - key < 2 || key[1].text != "=") {

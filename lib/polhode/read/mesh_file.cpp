@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -370,7 +371,7 @@ bool is_shape_txt(std::string_view content) {
   while (!content.empty()) {
     const std::vector<std::string_view> words = split_words(take_line(content));
     if (words.empty()) continue;
-    return words.size() == 2 && parse_integer(words[0]) && parse_integer(words[1]);
+    return words.size() == 2 && parse_integer(words[0]).value_or(0) > 0 && parse_integer(words[1]).value_or(0) > 0;
   }
   return false;
 }
@@ -387,8 +388,8 @@ bool is_mesh(std::string_view content) {
     if (first && upper_case(words[0]) == "SOLID") return true;
     first = false;
     if (words[0] == "v" && words.size() >= 4) return true;
-    if (words[0] != "mtllib" && words[0] != "o" && words[0] != "g" && words[0] != "s" && words[0] != "usemtl")
-      return false;
+    constexpr std::array<std::string_view, 7> other{"mtllib", "o", "g", "s", "usemtl", "vn", "vt"};
+    if (std::find(other.begin(), other.end(), words[0]) == other.end()) return false;
   }
   return false;
 }

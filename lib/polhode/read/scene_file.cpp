@@ -27,7 +27,7 @@ struct Orbit {
 using Orbits = std::map<std::string, Orbit, std::less<>>;
 
 Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, const Scene& scene,
-                              const std::filesystem::path& folder) {
+                              const std::filesystem::path& folder, const ContentOf& content_of) {
   table.allow_only({"mu_m3_s2", "trajectory", "trajectory_frame"});
   TrajectoryRequest request;
   request.centre = name;
@@ -36,7 +36,8 @@ Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, c
     request.table_frame = table.located("trajectory_frame", [&] { return frame(*frame_name); });
   }
   request.zero = scene.body.state->epoch;
-  TabulatedOrbit orbit = read_trajectory((folder / table.text("trajectory")).string(), request);
+  const std::string path = (folder / table.text("trajectory")).string();
+  TabulatedOrbit orbit = parse_trajectory(content_of(path), path, request);
   if (!(orbit.first_s() <= scene.first_s && scene.last_s <= orbit.last_s())) {
     const auto date = [&](double t_s) { return format_date(request.zero + Seconds{t_s, 0.0}, TimeScale::tdb, 0); };
     throw table.error("trajectory",
@@ -47,10 +48,10 @@ Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, c
 }
 
 Orbit read_orbit(const TomlTable& table, const std::string& name, const Scene& scene,
-                 const std::filesystem::path& folder) {
+                 const std::filesystem::path& folder, const ContentOf& content_of) {
   const double mu_m3_s2 = table.number("mu_m3_s2");
   if (!(mu_m3_s2 > 0.0)) throw table.error("mu_m3_s2", fmt::format("found {}, a positive number is wanted", mu_m3_s2));
-  if (table.has("trajectory")) return {mu_m3_s2, read_trajectory_of(table, name, scene, folder)};
+  if (table.has("trajectory")) return {mu_m3_s2, read_trajectory_of(table, name, scene, folder, content_of)};
   table.allow_only({"mu_m3_s2", "periapsis_m", "eccentricity", "periapsis_after_epoch_s", "to_periapsis", "normal"});
   const KeplerElements elements{mu_m3_s2,
                                 table.number("periapsis_m"),
@@ -61,12 +62,13 @@ Orbit read_orbit(const TomlTable& table, const std::string& name, const Scene& s
   return {mu_m3_s2, table.located("mu_m3_s2", [&] { return Trajectory(elements); })};  // refuses what is no orbit
 }
 
-Orbits read_orbits(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder) {
+Orbits read_orbits(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder,
+                   const ContentOf& content_of) {
   Orbits orbits;
   if (!root.has("orbit")) return orbits;
   const TomlTable tables = root.table("orbit");
   for (const std::string& name : tables.keys()) {
-    orbits.emplace(name, read_orbit(tables.table(name), name, scene, folder));
+    orbits.emplace(name, read_orbit(tables.table(name), name, scene, folder, content_of));
   }
   return orbits;
 }
@@ -89,8 +91,8 @@ void need_absolute(const TomlTable& table, const Inertia& inertia) {
   }
 }
 
-Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbits,
-                   const std::filesystem::path& folder) {
+Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbits, const std::filesystem::path& folder,
+                   const ContentOf& content_of) {
   const Inertia& inertia = *body.inertia;
   const Matrix3 principal_from_named = inertia.named_from_principal.transpose();
   const std::string kind = table.text("kind");
@@ -144,7 +146,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     table.allow_only({"kind", "mesh", "unit_m", "specular", "diffuse", "orbit"});
     need_absolute(table, inertia);
     const std::string path = (folder / table.text("mesh")).string();
-    TriangleMesh mesh = read_mesh(read_text_file(path), path);
+    TriangleMesh mesh = read_mesh(content_of(path), path);
     const double unit_m = table.number("unit_m");
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
     const Vector3 centre = mass_properties(mesh).centre_of_mass;
@@ -161,25 +163,28 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
 
 }  // namespace
 
-bool is_scene_file(const std::string& path) {
-  const std::string content = read_text_file(path);
-  for (std::string_view rest = content; !rest.empty();) {
-    const std::string_view line = trimmed(take_line(rest));
+bool is_scene_file(const std::string& path) { return is_scene(read_text_file(path)); }
+
+bool is_scene(std::string_view text) {
+  while (!text.empty()) {
+    const std::string_view line = trimmed(take_line(text));
     if (line.starts_with('[')) return false;
     if (line.starts_with("accuracy")) return trimmed(line.substr(8)).starts_with('=');
   }
   return false;
 }
 
-Scene read_scene(const std::string& path) {
-  const TomlTable root = TomlTable::parse(read_text_file(path), path);
+Scene read_scene(const std::string& path) { return parse_scene(read_text_file(path), path, read_text_file); }
+
+Scene parse_scene(std::string_view content, const std::string& path, const ContentOf& content_of) {
+  const TomlTable root = TomlTable::parse(content, path);
   root.allow_only(
       {"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit", "torque"});
   Scene scene;
   scene.name = root.text("name");
   scene.source = root.text("source");
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  scene.body = read_body((folder / root.text("body")).string());
+  scene.body = read_body((folder / root.text("body")).string(), content_of);
   if (!scene.body.inertia || !scene.body.state || !scene.body.state->omega_named_rad_s ||
       !scene.body.state->q_frame_from_named) {
     throw root.error("body", "the body has no inertia, or no attitude and rate at an epoch; a scene needs them");
@@ -208,10 +213,10 @@ Scene read_scene(const std::string& path) {
                        fmt::format("found {}, a positive part of the period is wanted", *scene.period_uncertainty));
     }
   }
-  const Orbits orbits = read_orbits(root, scene, folder);
+  const Orbits orbits = read_orbits(root, scene, folder, content_of);
   std::vector<Torque> torques;
   for (const TomlTable& table : root.tables("torque")) {
-    torques.push_back(read_torque(table, scene.body, orbits, folder));
+    torques.push_back(read_torque(table, scene.body, orbits, folder, content_of));
     std::string name(torque_name(torques.back()));
     if (table.has("orbit")) name += ", " + table.text("orbit");
     scene.torque_names.push_back(std::move(name));

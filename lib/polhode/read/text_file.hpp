@@ -1,11 +1,20 @@
 #pragma once
 
+#include <functional>
 #include <string>
+#include <string_view>
 
 namespace polhode {
 
-/// The whole of a file as bytes. Throws InputError for a directory and for an empty file, FileError where it cannot be
-/// read.
+/// The whole of a file as bytes, unpacked if it is compressed by gzip, without a byte-order mark of UTF-8. Throws InputError for a directory, a device and
+/// an empty file, FileError where it cannot be read.
 std::string read_text_file(const std::string& path);
+
+/// What gzip has packed; `name` stands for the file in messages. Throws InputError for broken or cut-off content, and
+/// where a byte unpacks to more than 100 beyond the first 64 MB: no table of attitudes does.
+std::string unpack_gzip(std::string_view packed, const std::string& name);
+
+/// How readers whose file names other files get the content of these; read_text_file unless said.
+using ContentOf = std::function<std::string(const std::string& path)>;
 
 }  // namespace polhode

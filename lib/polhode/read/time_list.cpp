@@ -21,16 +21,19 @@ std::vector<Instant> read_time_list(const std::string& list_or_path, TimeScale m
       rest.remove_prefix(comma + 1);
     }
   }
-  const std::string text = read_text_file(list_or_path);
-  std::string_view rest = text;
-  for (std::size_t line = 1; !rest.empty(); ++line) {
-    const std::string_view whole = take_line(rest);
+  return parse_time_lines(read_text_file(list_or_path), missing, list_or_path);
+}
+
+std::vector<Instant> parse_time_lines(std::string_view text, TimeScale missing, const std::string& path) {
+  std::vector<Instant> instants;
+  for (std::size_t line = 1; !text.empty(); ++line) {
+    const std::string_view whole = take_line(text);
     const std::string_view date = trimmed(whole.substr(0, whole.find('#')));
     if (date.empty()) continue;
     try {
       instants.push_back(parse_date_with_scale(date, missing).instant);
     } catch (const InputError& error) {
-      throw InputError({list_or_path, line}, error.what());
+      throw InputError({path, line}, error.what());
     }
   }
   return instants;

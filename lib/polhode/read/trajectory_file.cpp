@@ -348,7 +348,10 @@ class TextTableReader {
 }  // namespace
 
 TabulatedOrbit read_trajectory(const std::string& path, const TrajectoryRequest& request) {
-  const std::string text = read_text_file(path);
+  return parse_trajectory(read_text_file(path), path, request);
+}
+
+TabulatedOrbit parse_trajectory(const std::string& text, const std::string& path, const TrajectoryRequest& request) {
   if (is_ccsds(text)) {
     if (request.table_frame) {
       throw InputError({path, 1}, "an OEM names its own frame; trajectory_frame is for tables of text");

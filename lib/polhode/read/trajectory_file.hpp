@@ -27,5 +27,7 @@ struct TrajectoryRequest {
 ///   degree 7.
 /// Throws InputError with file and line, FileError if the file cannot be read.
 TabulatedOrbit read_trajectory(const std::string& path, const TrajectoryRequest& request);
+/// The same from the file's content; `path` is for messages.
+TabulatedOrbit parse_trajectory(const std::string& text, const std::string& path, const TrajectoryRequest& request);
 
 }  // namespace polhode

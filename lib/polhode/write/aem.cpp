@@ -17,7 +17,7 @@
 namespace polhode {
 namespace {
 
-constexpr std::string_view frame_b = "SC_BODY_1";
+constexpr std::string_view usual_frame_b = "SC_BODY_1";
 constexpr double degrees = 180.0 / std::numbers::pi;
 
 /// A number of a row in XML: its element, and the element around it and its neighbours (empty: none).
@@ -204,20 +204,23 @@ class Writer {
     };
     const std::string first = date(0);
     const std::string last = date(times.size() - 1);
+    const std::string_view frame_b = description.body_axes.empty() ? usual_frame_b : description.body_axes;
     bytes_.write(options_.xml ? "<segment>\n<metadata>\n" : "\nMETA_START\n");
     comment(
         fmt::format("Frame B is the axes that the body's file names. The quaternion takes components from A to B;"));
     comment("a body turned by +90 deg about z of A has Q1 Q2 Q3 QC = 0 0 0.7071 0.7071.");
-    comment(fmt::format("Motion by method {}; promised error of the rows {:.1e} rad.", description.method,
-                        description.promised_error_rad));
+    comment(fmt::format("Method: {}{}.", description.method,
+                        description.promised_error_rad
+                            ? fmt::format("; promised error of the rows {:.1e} rad", *description.promised_error_rad)
+                            : ""));
     if (description.tolerance_rad) {
       comment(
           fmt::format("Between rows, {}: within {:.3e} rad.", description.interpolation, *description.tolerance_rad));
     }
     if (!description.source.empty()) comment("Source of the body: " + description.source);
     key("OBJECT_NAME", description.object);
-    key("OBJECT_ID", description.object);
-    key("REF_FRAME_A", name(ephemeris.frame()));
+    key("OBJECT_ID", description.object_id.empty() ? description.object : description.object_id);
+    key("REF_FRAME_A", ephemeris.frame_name());
     key("REF_FRAME_B", frame_b);
     if (options_.version == AdmVersion::v1) key("ATTITUDE_DIR", "A2B");
     key("TIME_SYSTEM", name(times.scale()));
@@ -227,9 +230,9 @@ class Writer {
     if (options_.version == AdmVersion::v1 && !form_.euler) key("QUATERNION_TYPE", "LAST");
     if (form_.euler) key("EULER_ROT_SEQ", sequence_name(options_));
     if (form_.angular_velocity) key("ANGVEL_FRAME", frame_b);
-    if (!options_.interpolation_method.empty()) {
-      key("INTERPOLATION_METHOD", options_.interpolation_method);
-      key("INTERPOLATION_DEGREE", std::to_string(options_.interpolation_degree));
+    if (!description.ccsds_interpolation.empty()) {
+      key("INTERPOLATION_METHOD", description.ccsds_interpolation);
+      key("INTERPOLATION_DEGREE", std::to_string(description.ccsds_interpolation_degree));
     }
     bytes_.write(options_.xml ? "</metadata>\n<data>\n" : "META_STOP\n\nDATA_START\n");
     const auto encode = [&](DateText& dates, const AttitudeBlock& block, EncodedBlock& out) {

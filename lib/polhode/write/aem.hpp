@@ -37,15 +37,13 @@ struct AemOptions {
   bool xml = false;
   AemType type = AemType::quaternion_angular_velocity;
   EulerSequence euler_sequence{"ZXZ"};  ///< of the types with Euler angles
-  std::string interpolation_method;     ///< INTERPOLATION_METHOD, with its degree; empty: none is recommended
-  int interpolation_degree = 0;
 };
 
 /// A CCSDS Attitude Ephemeris Message, one segment per ephemeris; all have one object. Frame A is the ephemeris' frame,
-/// frame B (SC_BODY_1) the axes that the body's file names; the quaternion takes components from A to B, passive: our
-/// q_frame_from_named with its scalar moved to the end and no sign changed. A body turned by +90 degrees about inertial
-/// z has Q1 Q2 Q3 QC = 0 0 0.7071 0.7071. Every number is the shortest text that reads back as the same double, and
-/// every row is computed at exactly the time that its text says.
+/// frame B (SC_BODY_1, or what the description says) the axes that the body's file names; the quaternion takes
+/// components from A to B, passive: our q_frame_from_named with its scalar moved to the end and no sign changed. A body
+/// turned by +90 degrees about inertial z has Q1 Q2 Q3 QC = 0 0 0.7071 0.7071. Every number is the shortest text that
+/// reads back as the same double, and every row is computed at exactly the time that its text says.
 ///
 /// Throws InputError for a type or a time scale that the version has not, FileError, and what Ephemeris::fill and
 /// `progress` (which counts over all segments) throw; then there is no file.

@@ -167,27 +167,31 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
   fits.key("TSTOP", last.high, "[s] TIME of the last row");
   fits.key("QORDER", "XYZS", "order within QPARAM: vector part, scalar last");
   fits.key("QDIR", "A2B", "QPARAM takes components from frame A to frame B");
-  fits.key("REFFRAMA", std::string(name(ephemeris.frame())), "frame A, inertial");
-  fits.key("REFFRAMB", "BODY", "frame B, the axes that the body's file names");
+  fits.key("REFFRAMA", ephemeris.frame_name(), "frame A, to which the attitude refers");
+  fits.key("REFFRAMB", description.body_axes.empty() ? "BODY" : description.body_axes,
+           "frame B, the axes that the body's file names");
   fits.key("METHOD", description.method, "how the motion was computed");
-  fits.key("MAXERR", description.promised_error_rad, "[rad] promised error of the rows");
+  if (description.promised_error_rad) {
+    fits.key("MAXERR", *description.promised_error_rad, "[rad] promised error of the rows");
+  }
   if (description.tolerance_rad) {
     fits.key("INTERPOL", description.interpolation, "between rows");
     fits.key("INTERERR", *description.tolerance_rad, "[rad] promised error of INTERPOL everywhere");
   }
-  const Inertia& inertia = ephemeris.inertia();
-  for (int k = 0; k < 3; ++k) {
-    fits.key(fmt::format("INERTIA{}", k + 1).c_str(), inertia.principal_moments[k],
-             inertia.absolute ? "[kg m2] principal moment of inertia" : "principal moment of inertia, one any unit");
-  }
-  const Eigen::Vector4d q = scalar_first(inertia.q_named_from_principal());
-  for (int k = 0; k < 4; ++k) {
-    fits.key(fmt::format("QPRINC{}", k).c_str(), q[k], "scalar-first q: v_body = q v_principal q*");
+  if (const std::optional<Inertia>& inertia = ephemeris.inertia()) {
+    for (int k = 0; k < 3; ++k) {
+      fits.key(fmt::format("INERTIA{}", k + 1).c_str(), inertia->principal_moments[k],
+               inertia->absolute ? "[kg m2] principal moment of inertia" : "principal moment of inertia, one any unit");
+    }
+    const Eigen::Vector4d q = scalar_first(inertia->q_named_from_principal());
+    for (int k = 0; k < 4; ++k) {
+      fits.key(fmt::format("QPRINC{}", k).c_str(), q[k], "scalar-first q: v_body = q v_principal q*");
+    }
   }
   if (!description.source.empty()) fits.comment("Source of the body: " + description.source);
   fits.comment(
-      "QPARAM is passive: a body turned by +90 deg about inertial z has QPARAM (0, 0, 0.7071, 0.7071) and its x axis "
-      "along inertial y. Its sign is continuous from row to row. OMEGA has components in frame B.");
+      "QPARAM is passive: a body turned by +90 deg about z of frame A has QPARAM (0, 0, 0.7071, 0.7071) and its x axis "
+      "along y of frame A. Its sign is continuous from row to row. OMEGA has components in frame B.");
 }
 
 /// cfitsio compresses a file from memory when it closes it.
@@ -208,6 +212,7 @@ void refuse_beyond_memory(const std::string& path, std::size_t rows, std::size_t
 
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
                 const Progress& progress) {
+  if (options.momentum && !ephemeris.inertia()) throw InputError("the angular momentum needs an inertia");
   OutputFile output(path);
   const std::size_t doubles_per_row = 8 + (options.momentum ? 3 : 0) + (options.time_low ? 1 : 0);
   const std::size_t row_bytes = doubles_per_row * sizeof(double);
@@ -224,7 +229,7 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   if (options.momentum) {
     names.push_back("L");
     forms.push_back("3D");
-    units.push_back(ephemeris.inertia().absolute ? "N m s" : "");
+    units.push_back(ephemeris.inertia()->absolute ? "N m s" : "");
   }
   if (options.time_low) {
     names.push_back("TIME_LO");

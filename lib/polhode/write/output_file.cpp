@@ -37,7 +37,9 @@ OutputFile::OutputFile(const std::string& path) {
   if (fs::exists(status) && !fs::is_regular_file(status)) {
     throw FileError(fmt::format("cannot write {}: it exists and is not a regular file", path));
   }
-  fs::path wanted = fs::weakly_canonical(path, error);
+  // Absolute first: a name alone, of a file that is not there yet, would keep no folder.
+  const fs::path absolute = fs::absolute(path, error);
+  const fs::path wanted = error ? fs::path() : fs::weakly_canonical(absolute, error);
   if (error) throw FileError(fmt::format("cannot write {}: {}", path, error.message()));
   if (!fs::is_directory(wanted.parent_path())) {
     throw FileError(fmt::format("cannot write {}: there is no folder {}", path, wanted.parent_path().string()));

@@ -52,11 +52,12 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
   meta("object", quoted(description.object));
   meta("creator", quoted(creator()));
   meta("created_utc", quoted(creation_date()));
-  meta("frame_a", quoted(name(ephemeris.frame())));
-  meta("frame_b", quoted("the axes that the body's file names"));
+  meta("frame_a", quoted(ephemeris.frame_name()));
+  meta("frame_b",
+       quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
   meta("quaternion", quoted("scalar last, takes components from frame a to frame b, passive"));
   meta("method", quoted(description.method));
-  meta("promised_error_rad", fmt::format("{}", description.promised_error_rad));
+  if (description.promised_error_rad) meta("promised_error_rad", fmt::format("{}", *description.promised_error_rad));
   if (description.tolerance_rad) {
     meta("interpolation", quoted(description.interpolation));
     meta("interpolation_error_rad", fmt::format("{}", *description.tolerance_rad));
@@ -85,7 +86,8 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
   for (const char* component : {"x", "y", "z", "scalar"}) columns.push_back({fmt::format("q_{}", component), ""});
   for (const char* axis : {"x", "y", "z"}) columns.push_back({fmt::format("omega_body_{}_rad_s", axis), "rad / s"});
   if (options.momentum) {
-    const bool absolute = ephemeris.inertia().absolute;
+    if (!ephemeris.inertia()) throw InputError("the angular momentum needs an inertia");
+    const bool absolute = ephemeris.inertia()->absolute;
     for (const char* axis : {"x", "y", "z"}) {
       columns.push_back({fmt::format("momentum_body_{}{}", axis, absolute ? "_N_m_s" : ""), absolute ? "N m s" : ""});
     }

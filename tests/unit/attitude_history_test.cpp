@@ -1,0 +1,407 @@
+// Attitude histories: read from FITS, tables and gzip in memory, interpolated and resampled, on motions in closed form.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "polhode/base/error.hpp"
+#include "polhode/ephemeris/attitude_history.hpp"
+#include "polhode/ephemeris/resample.hpp"
+#include "polhode/read/attitude_history_file.hpp"
+#include "polhode/read/ccsds_attitude.hpp"
+#include "polhode/read/text_file.hpp"
+
+namespace polhode {
+namespace {
+
+const std::string samples = POLHODE_DATA_DIR "/samples/";
+
+std::string fault_of(const std::string& content) {
+  try {
+    parse_attitude_history(content, "m");
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+// --- A coning motion: a spin about the body's z while z circles about the frame's z. ---------------------------------
+
+constexpr double precession_rad_s = 0.3;
+constexpr double spin_rad_s = 0.2;
+constexpr double wide_cone_rad = 0.5;
+
+Quaternion about(const Vector3& axis, double angle_rad) { return Quaternion(Eigen::AngleAxisd(angle_rad, axis)); }
+
+Quaternion coning_attitude(double t_s, double cone_rad = wide_cone_rad) {
+  return about(Vector3::UnitZ(), precession_rad_s * t_s) * about(Vector3::UnitX(), cone_rad) *
+         about(Vector3::UnitZ(), spin_rad_s * t_s);
+}
+
+Vector3 coning_rate(double t_s, double cone_rad = wide_cone_rad) {
+  const Quaternion tilt = about(Vector3::UnitX(), cone_rad) * about(Vector3::UnitZ(), spin_rad_s * t_s);
+  return tilt.conjugate() * Vector3(0.0, 0.0, precession_rad_s) + Vector3(0.0, 0.0, spin_rad_s);
+}
+
+Instant at(double t_s) { return parse_date("2020-01-01T00:00:00", TimeScale::utc) + Seconds{t_s, 0.0}; }
+
+/// Rows of the coning motion, signs of the quaternions at random.
+AttitudeHistory coning(AttitudeInterpolation method, int degree, bool rates, double step_s, int rows,
+                       double cone_rad = wide_cone_rad) {
+  AttitudeSegment segment;
+  segment.frame = "EME2000";
+  segment.body = "SC_BODY_1";
+  segment.known_frame = Frame::eme2000;
+  segment.method = method;
+  segment.degree = degree;
+  segment.method_stated = true;
+  for (int i = 0; i < rows; ++i) {
+    Quaternion q = coning_attitude(i * step_s, cone_rad);
+    if (i % 3 == 1) q.coeffs() *= -1.0;
+    segment.samples.push_back(
+        {at(i * step_s), q, rates ? std::optional(coning_rate(i * step_s, cone_rad)) : std::nullopt});
+  }
+  AttitudeHistory history;
+  history.object = "CONE";
+  history.object_id = "2020-001A";
+  history.segments = {segment};
+  return history;
+}
+
+AttitudeBlock rows_of(const Ephemeris& ephemeris) {
+  AttitudeBlock block;
+  ephemeris.fill(0, ephemeris.times().size(), {TimeResolution::Kind::two_doubles}, block);
+  return block;
+}
+
+Quaternion attitude(const AttitudeBlock& block, std::size_t row) {
+  return from_scalar_first(Eigen::Map<const Eigen::Vector4d>(&block.q_frame_from_named[4 * row]));
+}
+
+Vector3 rate(const AttitudeBlock& block, std::size_t row) {
+  return Eigen::Map<const Vector3>(&block.omega_named_rad_s[3 * row]);
+}
+
+bool sign_is_continuous(const AttitudeBlock& block) {
+  for (std::size_t i = 1; i < block.rows; ++i) {
+    if (attitude(block, i).dot(attitude(block, i - 1)) <= 0.0) return false;
+  }
+  return true;
+}
+
+double elapsed(const Ephemeris& ephemeris, const AttitudeBlock& block, std::size_t row) {
+  return (ephemeris.times().instant(block.time[row]) - at(0.0)).high;
+}
+
+TEST(Resample, OwnRowsAreTakenOver) {
+  const AttitudeHistory history = coning(AttitudeInterpolation::hermite, 7, true, 1.5, 40);
+  const std::vector<Ephemeris> out = resample(history, {}, TimeScale::utc, std::nullopt);
+  ASSERT_EQ(out.size(), 1U);
+  EXPECT_EQ(out[0].frame_name(), "EME2000");
+  EXPECT_EQ(out[0].description().object_id, "2020-001A");
+  EXPECT_EQ(out[0].description().ccsds_interpolation, "HERMITE");
+  EXPECT_EQ(out[0].description().ccsds_interpolation_degree, 7);
+  EXPECT_FALSE(out[0].inertia());
+  const AttitudeBlock block = rows_of(out[0]);
+  ASSERT_EQ(block.rows, 40U);
+  EXPECT_TRUE(sign_is_continuous(block));
+  for (std::size_t i = 0; i < block.rows; ++i) {
+    const AttitudeSample& row = history.segments[0].samples[i];
+    EXPECT_EQ(out[0].times().instant(block.time[i]), row.time);
+    EXPECT_EQ(std::abs(attitude(block, i).dot(row.q_frame_from_body)), row.q_frame_from_body.squaredNorm());
+    EXPECT_EQ(rate(block, i), *row.omega_body_rad_s);
+  }
+}
+
+TEST(Resample, EachMethodMeetsTheMotionAndItsRate) {
+  struct Case {
+    AttitudeInterpolation method;
+    int degree;
+    bool rates;
+    double attitude_rad, rate_rad_s;  // allowed
+  };
+  // At rows 0.5 s apart; LINEAR is 2nd order in the attitude and 1st in the rate, the others as their degree says.
+  for (const Case& c : {Case{AttitudeInterpolation::linear, 1, false, 5e-3, 2e-2},
+                        Case{AttitudeInterpolation::lagrange, 5, false, 3e-6, 3e-5},
+                        Case{AttitudeInterpolation::lagrange, 7, true, 6e-8, 6e-7},
+                        Case{AttitudeInterpolation::hermite, 3, true, 3e-6, 3e-5},
+                        Case{AttitudeInterpolation::hermite, 7, true, 1e-10, 3e-9}}) {
+    WantedTimes wanted;
+    wanted.step = Seconds{0.07, 0.0};
+    const AttitudeHistory history = coning(c.method, c.degree, c.rates, 0.5, 61);
+    const std::vector<Ephemeris> out = resample(history, wanted, TimeScale::tdb, Frame::ecliptic_j2000);
+    ASSERT_EQ(out.size(), 1U);
+    EXPECT_EQ(out[0].frame_name(), "ECLIPJ2000");
+    const AttitudeBlock block = rows_of(out[0]);
+    EXPECT_EQ(block.rows, 429U);
+    EXPECT_TRUE(sign_is_continuous(block));
+    const Quaternion turned = q_icrf_from(Frame::ecliptic_j2000).conjugate() * q_icrf_from(Frame::eme2000);
+    for (std::size_t i = 0; i < block.rows; ++i) {
+      const double t = elapsed(out[0], block, i);
+      EXPECT_LE(rotation_angle_rad(attitude(block, i), turned * coning_attitude(t)), c.attitude_rad) << t;
+      EXPECT_LE((rate(block, i) - coning_rate(t)).norm(), c.rate_rad_s) << name(c.method) << c.degree << " at " << t;
+    }
+  }
+}
+
+TEST(Resample, TurnsBeyond180DegreesFollowTheRates) {
+  constexpr double narrow_cone_rad = 0.05;
+  const AttitudeHistory history =
+      coning(AttitudeInterpolation::hermite, 7, true, 13.0, 12, narrow_cone_rad);  // 6.5 rad
+  WantedTimes wanted;
+  wanted.step = Seconds{0.25, 0.0};
+  const Ephemeris out = resample(history, wanted, TimeScale::utc, std::nullopt).at(0);
+  const AttitudeBlock block = rows_of(out);
+  EXPECT_TRUE(sign_is_continuous(block));
+  double worst = 0.0;
+  for (std::size_t i = 0; i < block.rows; ++i) {
+    const Quaternion expected = coning_attitude(elapsed(out, block, i), narrow_cone_rad);
+    worst = std::max(worst, rotation_angle_rad(attitude(block, i), expected));
+  }
+  EXPECT_LT(worst, 0.25);  // the cone is not resolved; the shortest way would be off by up to 180 deg
+}
+
+TEST(Resample, NothingLiesOutsideOfASegment) {
+  AttitudeHistory history = coning(AttitudeInterpolation::lagrange, 3, false, 1.0, 11);
+  history.segments[0].usable_start = at(1.5);
+  history.segments[0].usable_stop = at(8.5);
+  history.segments.push_back(history.segments[0]);
+  AttitudeSegment& second = history.segments[1];
+  second.usable_start.reset();
+  second.usable_stop.reset();
+  for (AttitudeSample& row : second.samples) row.time = row.time + Seconds{20.0, 0.0};
+
+  std::vector<Ephemeris> out = resample(history, {}, TimeScale::utc, std::nullopt);
+  ASSERT_EQ(out.size(), 2U);
+  EXPECT_EQ(out[0].times().size(), 7U);  // rows 2 to 8 s
+  EXPECT_EQ(out[1].times().size(), 11U);
+
+  WantedTimes wanted;
+  wanted.start = at(3.0);
+  wanted.stop = at(24.0);
+  wanted.step = Seconds{0.5, 0.0};
+  out = resample(history, wanted, TimeScale::utc, std::nullopt);
+  ASSERT_EQ(out.size(), 2U);
+  EXPECT_EQ(out[0].times().size(), 12U);  // 3.0 to 8.5
+  EXPECT_EQ(out[1].times().size(), 9U);   // 20.0 to 24.0
+
+  wanted = {};
+  wanted.list = {at(1.5), at(8.5), at(20.0)};
+  out = resample(history, wanted, TimeScale::utc, std::nullopt);
+  ASSERT_EQ(out.size(), 2U);
+  EXPECT_EQ(out[0].times().size(), 2U);
+
+  const auto fault = [&](const WantedTimes& times) -> std::string {
+    try {
+      resample(history, times, TimeScale::utc, std::nullopt);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const std::string outside =
+      " UTC is outside of the attitude history, which can be used from 2020-01-01T00:00:01.500 to "
+      "2020-01-01T00:00:08.500, 2020-01-01T00:00:20.000 to 2020-01-01T00:00:30.000 UTC";
+  wanted = {};
+  wanted.list = {at(1.4)};
+  EXPECT_EQ(fault(wanted), "2020-01-01T00:00:01.400" + outside);
+  wanted.list = {at(3.0), at(9.0)};
+  EXPECT_EQ(fault(wanted), "2020-01-01T00:00:09.000" + outside);
+  wanted = {};
+  wanted.stop = at(31.0);
+  EXPECT_EQ(fault(wanted), "2020-01-01T00:00:31.000" + outside);
+  wanted = {};
+  wanted.start = at(15.0);
+  EXPECT_EQ(fault(wanted), "2020-01-01T00:00:15.000" + outside);
+  wanted.start = at(5.0);
+  wanted.stop = at(4.0);
+  EXPECT_EQ(fault(wanted), "stop is before start");
+  wanted = {};
+  wanted.start = at(5.2);
+  wanted.stop = at(5.8);
+  EXPECT_EQ(fault(wanted).substr(0, 12), "no row of th");
+}
+
+TEST(Resample, WhatCannotBeDone) {
+  AttitudeHistory history = coning(AttitudeInterpolation::linear, 1, false, 1.0, 3);
+  history.segments[0].frame = "LVLH";
+  history.segments[0].known_frame.reset();
+  EXPECT_EQ(resample(history, {}, TimeScale::utc, std::nullopt).at(0).frame_name(), "LVLH");
+  EXPECT_THROW(resample(history, {}, TimeScale::utc, Frame::icrf), InputError);
+  history.segments[0].samples.resize(1);
+  EXPECT_THROW(resample(history, {}, TimeScale::utc, std::nullopt), InputError);  // no rate to be had
+  history = coning(AttitudeInterpolation::linear, 1, false, 1.0, 3);
+  history.absolute_time = false;
+  EXPECT_THROW(resample(history, {}, TimeScale::utc, std::nullopt), InputError);
+}
+
+// --- FITS in memory --------------------------------------------------------------------------------------------------
+
+/// A FITS file with one table ATTITUDE, by hand.
+std::string fits(const std::vector<std::string>& cards, const std::string& data) {
+  const auto block = [](std::string text, char fill) {
+    text.resize((text.size() + 2879) / 2880 * 2880, fill);
+    return text;
+  };
+  const auto header = [&](const std::vector<std::string>& lines) {
+    std::string text;
+    for (std::string line : lines) {
+      line.resize(80, ' ');
+      text += line;
+    }
+    std::string end = "END";
+    end.resize(80, ' ');
+    return block(text + end, ' ');
+  };
+  return header(
+             {"SIMPLE  =                    T", "BITPIX  =                    8", "NAXIS   =                    0"}) +
+         header(cards) + block(data, '\0');
+}
+
+std::string big_endian(std::initializer_list<double> values) {
+  std::string bytes;
+  for (const double value : values) {
+    for (int shift = 56; shift >= 0; shift -= 8)
+      bytes += static_cast<char>((std::bit_cast<std::uint64_t>(value) >> shift) & 0xffU);
+  }
+  return bytes;
+}
+
+std::vector<std::string> cards() {
+  return {"XTENSION= 'BINTABLE'",
+          "BITPIX  = 8",
+          "NAXIS   = 2",
+          "NAXIS1  = 48 / bytes",
+          "NAXIS2  = 2",
+          "PCOUNT  = 0",
+          "GCOUNT  = 1",
+          "TFIELDS = 3",
+          "TTYPE1  = 'flags   '",
+          "TFORM1  = '64X     '",
+          "TTYPE2  = 'Time'",
+          "TFORM2  = 'D'",
+          "TUNIT2  = 's'",
+          "TTYPE3  = 'QPARAM'",
+          "TFORM3  = '4D'",
+          "EXTNAME = 'ATTITUDE'",
+          "OBJECT  = 'O''Brien  '",
+          "TIMESYS = 'TT'",
+          "MJDREFI =   51544",
+          "MJDREFF = 5.0D-1 / noon",
+          "REFFRAMA= 'ICRF'"};
+}
+
+const std::string two_rows = big_endian({0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 10.0, 0.0, 0.0, 0.6, 0.8});
+
+std::string with_card(const std::string& from, const std::string& to) {
+  std::vector<std::string> list = cards();
+  for (std::string& card : list) {
+    if (card == from) card = to;
+  }
+  return fits(list, two_rows);
+}
+
+TEST(FitsHistory, IsReadFromMemory) {
+  const AttitudeHistory h = *parse_attitude_history(fits(cards(), two_rows), "m");
+  EXPECT_EQ(h.object, "O'Brien");
+  ASSERT_EQ(h.segments.size(), 1U);
+  ASSERT_EQ(h.segments[0].samples.size(), 2U);
+  EXPECT_EQ(format_date(h.segments[0].samples[1].time, TimeScale::tt, 3), "2000-01-01T12:00:10.000");
+  EXPECT_NEAR(h.segments[0].samples[1].q_frame_from_body.z(), 0.6, 1e-15);
+  EXPECT_FALSE(h.segments[0].has_rates());
+
+  const AttitudeHistory sample = *read_attitude_history(samples + "attitude/spinner.fits");  // made by astropy
+  EXPECT_EQ(sample.object, "SPINNER");
+  ASSERT_EQ(sample.rows(), 4U);
+  EXPECT_NEAR(sample.segments[0].samples[3].omega_body_rad_s->z(), 0.05, 1e-9);  // a column of floats
+  const AttitudeHistory table = *read_attitude_history(samples + "attitude/spinner.ecsv");
+  EXPECT_LT(compare(sample, table).largest_rad, 1e-15);
+}
+
+TEST(FitsHistory, WhatAHeaderClaimsIsHeldAgainstTheBytes) {
+  EXPECT_EQ(fault_of(with_card("NAXIS2  = 2", "NAXIS2  = 4000000000000000000")),
+            "m: the file ends within its table ATTITUDE: 4000000000000000000 rows of 48 bytes are announced");
+  EXPECT_EQ(fault_of(with_card("NAXIS1  = 48 / bytes", "NAXIS1  = 9223372036854775807")).substr(0, 45),
+            "m: the file ends within its table ATTITUDE: 2");
+  EXPECT_EQ(fault_of(with_card("NAXIS2  = 2", "NAXIS2  = -2")),
+            "m: broken FITS: NAXIS2 = -2, a whole number is wanted");
+  EXPECT_EQ(fault_of(with_card("TFORM1  = '64X     '", "TFORM1  = '99999999999999999999X'")),
+            "m: broken FITS: TFORM1 = '99999999999999999999' in rows of 48 bytes");
+  EXPECT_EQ(fault_of(with_card("TFORM3  = '4D'", "TFORM3  = '5D'")),
+            "m: broken FITS: TFORM3 = '5D' in rows of 48 bytes");
+  EXPECT_EQ(fault_of(with_card("TFORM3  = '4D'", "TFORM3  = '8E'")),
+            "m: column QPARAM is 8E; 4 real numbers are wanted (4D or 4E)");
+  EXPECT_EQ(fault_of(with_card("TFIELDS = 3", "TFIELDS = 1000000")), "m: broken FITS: TFIELDS = 1000000");
+  EXPECT_EQ(fault_of(with_card("TFIELDS = 3", "TFIELDS = 2")), "m: the table ATTITUDE has no column TIME or QPARAM");
+  EXPECT_EQ(fault_of(with_card("EXTNAME = 'ATTITUDE'", "EXTNAME = 'EVENTS'")),
+            "m: the FITS file has no binary table ATTITUDE");
+  EXPECT_EQ(fault_of(with_card("PCOUNT  = 0", "ZTABLE  = T")),
+            "m: the table ATTITUDE is compressed by tiles; unpack it first");
+  EXPECT_EQ(fault_of(with_card("TIMESYS = 'TT'", "")), "m: TIMESYS is missing");
+  const std::string whole = fits(cards(), two_rows);
+  EXPECT_EQ(fault_of(whole.substr(0, 4000)), "m: broken FITS: a header without END");
+  EXPECT_EQ(fault_of(whole.substr(0, 5800)).substr(0, 43), "m: the file ends within its table ATTITUDE:");
+  EXPECT_EQ(fault_of(whole.substr(0, 5760 + 96)), "accepted");  // without the last padding
+  EXPECT_EQ(fault_of(fits(cards(), big_endian({0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 1}))),
+            "m: row 2: its time is not after the one above");
+  EXPECT_EQ(fault_of(fits(cards(), big_endian({0, 0, 0, 0, 0, 2, 0, 1, 0, 0, 0, 1}))),
+            "m: row 1: the quaternion has length 2, it must be 1");
+}
+
+TEST(TextHistory, AFrameThatIsNotKnownIsANameOnly) {
+  const std::string text = read_text_file(samples + "attitude/spinner.ecsv");
+  const AttitudeHistory h = *parse_attitude_history(replaced(text, "frame_a: \"ICRF\"", "frame_a: \"LVLH\""), "m");
+  EXPECT_EQ(h.segments[0].frame, "LVLH");
+  EXPECT_FALSE(h.segments[0].known_frame);
+  EXPECT_EQ(h.object, "spinner");
+  EXPECT_EQ(h.warnings.size(), 1U);
+}
+
+// --- gzip ------------------------------------------------------------------------------------------------------------
+
+std::string packed(const std::string& text) {
+  z_stream stream{};
+  EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 16 + MAX_WBITS, 9, Z_DEFAULT_STRATEGY), Z_OK);
+  std::string out(deflateBound(&stream, text.size()) + 64, '\0');
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
+  stream.avail_in = static_cast<uInt>(text.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+  out.resize(stream.total_out);
+  deflateEnd(&stream);
+  return out;
+}
+
+TEST(Gzip, IsUnpackedWithinBounds) {
+  const std::string text = read_text_file(samples + "attitude/spinner.fits");
+  EXPECT_EQ(unpack_gzip(packed(text), "m"), text);
+  EXPECT_EQ(unpack_gzip(packed(text) + packed("more"), "m"), text + "more");
+  const auto fault = [](const std::string& content) -> std::string {
+    try {
+      unpack_gzip(content, "m");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  const std::string small = packed(text);
+  EXPECT_EQ(fault(small.substr(0, small.size() / 2)), "m: the gzip file is cut off");
+  EXPECT_EQ(fault("\x1f\x8b\x08 and no more"), "m: the gzip file is broken");
+  EXPECT_EQ(fault(packed(std::string(80U << 20U, '\0'))), "m: unpacks to more than a hundred times its size");
+}
+
+}  // namespace
+}  // namespace polhode
