@@ -276,10 +276,8 @@ FRAME_{pck_frame_id}_CENTER = {body_id}
     if rows.uniform:
         type_3, type_5 = errors_between(rows, str(paths["_ck5.bc"]), ck_id)
         for ending, error in (("_ck3.bc", type_3), ("_ck5.bc", type_5)):
-            add_comments(
-                paths[ending],
-                [f"Attitude of {rows.object} in {rows.frame}, by polhode.", f"Largest error found between the rows: {error:.3e} rad."],
-            )
+            what = f"Attitude of {rows.object} in {rows.frame}, by polhode."
+            add_comments(paths[ending], [what, f"Largest error found between the rows: {error:.3e} rad."])
         errors = f", error found {type_3:.2g} and {type_5:.2g} rad"
     spiceypy.kclear()
     loaded = [paths["_ck5.bc"], paths[".tsc"], paths[".tf"]]

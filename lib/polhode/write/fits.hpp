@@ -20,7 +20,8 @@ struct FitsOptions {
 /// inertial y. DATASUM is summed while writing, so that the file is not read again.
 ///
 /// A path that ends in ".gz" is compressed by cfitsio, which holds the whole file in memory meanwhile: InputError for
-/// rows of more than 2 GB, or than half of the machine's memory. Throws FileError, and what Ephemeris::fill and `progress` throw; then there is no file.
+/// rows of more than 2 GB, or than half of the machine's memory. Throws FileError, and what Ephemeris::fill and
+/// `progress` throw; then there is no file.
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options = {},
                 const Progress& progress = {});
 
