@@ -119,6 +119,19 @@ def test_progress_on_a_terminal(tmp_path):
     os.close(ours)
 
 
+@pytest.mark.parametrize("ending", ["fits", "aem"])
+def test_memory_does_not_grow_with_the_rows(tmp_path, ending):
+    peaks = []
+    for rows in (100_000, 1_000_000):
+        command = [PROGRAM, "propagate", TOUTATIS, "-o", tmp_path / f"out.{ending}", "--stop", "+1000 d", "--count", str(rows)]
+        process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        assert process.returncode == 0
+        peaks.append(usage.ru_maxrss)  # kB; the longer one writes 64 or 178 MB
+    assert peaks[1] < peaks[0] + 4000
+
+
 def test_doubtful_utc_is_said_and_a_table_can_be_given(tmp_path):
     out = tmp_path / "out.csv"
     spans = {

@@ -107,6 +107,27 @@ def test_between_the_rows_against_the_integration(loaded, frame, limit):
     assert_within(errors, limit)
 
 
+@pytest.mark.parametrize("kind, low, high", [("ck5", 1e-12, 1e-9), ("ck3", 1e-6, 1e-3)])
+def test_comments_say_the_error_everywhere(folder, loaded, kind, low, high):
+    """In the gaps at the ends too, against the equations of motion."""
+    table, et = loaded
+    path = str(folder / f"toutatis_{kind}.bc")
+    handle = spiceypy.dafopr(path)
+    _, lines, _ = spiceypy.dafec(handle, 10, 200)
+    spiceypy.dafcls(handle)
+    (said,) = [float(line.split()[-2]) for line in lines if line.startswith("Largest error")]
+    assert low < said < high
+    spiceypy.unload(str(folder / "toutatis_ck5.bc"))
+    spiceypy.furnsh(path)
+    random = np.random.default_rng(7)
+    gaps = np.concatenate([np.arange(6), np.sort(random.integers(6, len(et) - 7, 60)), np.arange(len(et) - 7, len(et) - 1)])
+    times = et[gaps] + random.uniform(0.1, 0.9, len(gaps)) * (et[gaps + 1] - et[gaps])
+    q, _ = toutatis().states(np.interp(times, et, (table["TIME"].tt - table["TIME"][0].tt).to_value("s")))
+    matrices = np.array([spiceypy.pxform("J2000", "TOUTATIS_AXES", t) for t in times])
+    errors = (Rotation.from_matrix(matrices.transpose(0, 2, 1)).inv() * Rotation.from_quat(q[:, [1, 2, 3, 0]])).magnitude()
+    assert_within(errors, 1.1 * said + 1e-13)
+
+
 @pytest.mark.parametrize("frame", ["TOUTATIS_AXES", "TOUTATIS_AXES_PCK"])
 def test_rates_are_those_of_the_attitude(loaded, frame):
     _, et = loaded

@@ -13,6 +13,8 @@ After furnsh of FOLDER/NAME.tm, pxform and sxform know the frame NAME_AXES (and 
     NAME.tf       the frames
     NAME.tm       all of these but NAME_ck3.bc, to load at once (paths in it are absolute)
 
+Each says in its comments the largest error found between the rows, or for the PCK the promised one.
+
 The quaternion that SPICE wants is (QC, -Q1, -Q2, -Q3) of ours, its angular velocities are in the inertial frame, and its
 ET is SPICE's own TDB (up to 0.03 ms from that of FITS): each row keeps its instant.
 """
@@ -169,6 +171,32 @@ def chebyshev_pieces(rows, tolerance):
     return None
 
 
+def errors_between(rows, ck_path, ck_id):
+    """Largest errors of the two CK types as their readers interpolate: type 3 in the middle of each gap; type 5 by the
+    toolkit, in the gaps at the ends, where its windows are cut short, and in a thousand others."""
+    middle = (rows.et[1:] + rows.et[:-1]) / 2
+    truth = interpolated(rows, middle)
+    chord = rows.q[1:] + rows.q[:-1]
+    type_3 = angle(chord / np.linalg.norm(chord, axis=1, keepdims=True), truth).max()
+    gaps = np.arange(len(middle))
+    gaps = np.union1d(np.concatenate([gaps[:HERMITE_ROWS], gaps[-HERMITE_ROWS:]]), np.linspace(0, gaps[-1], 1000).astype(int))
+    spiceypy.furnsh(ck_path)
+    type_5 = 0.0
+    for place in (0.3, 0.5, 0.7):
+        et = rows.et[gaps] + place * (rows.et[gaps + 1] - rows.et[gaps])
+        matrices = [spiceypy.ckgp(ck_id, spiceypy.sce2c(ck_id, t), 0, rows.frame)[0] for t in et]
+        found = spice_quaternion(np.array([spiceypy.m2q(matrix) for matrix in matrices]))
+        type_5 = max(type_5, angle(found, interpolated(rows, et)).max())
+    spiceypy.unload(ck_path)
+    return type_3, type_5
+
+
+def add_comments(path, lines):
+    handle = spiceypy.dafopw(str(path))
+    spiceypy.dafac(handle, lines)
+    spiceypy.dafcls(handle)
+
+
 def new_file(path):
     path.unlink(missing_ok=True)
     return str(path)
@@ -244,9 +272,16 @@ FRAME_{pck_frame_id}_CENTER = {body_id}
         seconds_per_tick, 1, ticks[:1],
     )  # fmt: skip
     spiceypy.ckcls(handle)
+    errors = ""
+    if rows.uniform:
+        type_3, type_5 = errors_between(rows, str(paths["_ck5.bc"]), ck_id)
+        for ending, error in (("_ck3.bc", type_3), ("_ck5.bc", type_5)):
+            what = f"Attitude of {rows.object} in {rows.frame}, by polhode."
+            add_comments(paths[ending], [what, f"Largest error found between the rows: {error:.3e} rad."])
+        errors = f", error found {type_3:.2g} and {type_5:.2g} rad"
     spiceypy.kclear()
     loaded = [paths["_ck5.bc"], paths[".tsc"], paths[".tf"]]
-    print(f"{paths['_ck3.bc']}, {paths['_ck5.bc']}: {len(ticks)} rows, frame {frame} in {rows.frame}")
+    print(f"{paths['_ck3.bc']}, {paths['_ck5.bc']}: {len(ticks)} rows{errors}, frame {frame} in {rows.frame}")
 
     paths[".bpc"].unlink(missing_ok=True)
     smallest_sine = np.sin(euler_zxz(rows.q)[:, 1]).min()

@@ -19,8 +19,9 @@ struct FitsOptions {
 /// rad/s. A body turned by +90 degrees about inertial z has QPARAM (0, 0, 0.7071, 0.7071) and its x axis along
 /// inertial y. DATASUM is summed while writing, so that the file is not read again.
 ///
-/// A path that ends in ".gz" is compressed by cfitsio, which holds the whole file in memory meanwhile. Throws
-/// FileError, and what Ephemeris::fill and `progress` throw; then there is no file.
+/// A path that ends in ".gz" is compressed by cfitsio, which holds the whole file in memory meanwhile: InputError for
+/// rows of more than 2 GB, or than half of the machine's memory. Throws FileError, and what Ephemeris::fill and
+/// `progress` throw; then there is no file.
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options = {},
                 const Progress& progress = {});
 
