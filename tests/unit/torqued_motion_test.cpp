@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <string_view>
 #include <vector>
 
 #include "polhode/base/error.hpp"
@@ -95,7 +96,7 @@ TEST(Splitting, ForwardAndBackwardIsWhereItBegan) {
     SplittingRun r(body, 0.0, torques, scheme);
     for (int i = 0; i < 200; ++i) r.step(20.0);
     for (int i = 0; i < 200; ++i) r.step(-20.0);
-    EXPECT_LT(distance(r.state(), {body.q_inertial_from_body, body.momentum_body}), 1e-11) << scheme.name;
+    EXPECT_LT(distance(r.state(), {body.q_inertial_from_body, body.momentum_body}), 5e-11) << scheme.name;
   }
 }
 
@@ -295,9 +296,11 @@ TEST(Variation, FollowsEveryKindOfBodyAtAnyTime) {
       const TorquedMotion truth(body, torques, {1e-12, std::min(0.0, end_s), std::max(0.0, end_s), "extrapolation"});
       ASSERT_EQ(truth.outcome(), Outcome::done) << b.name;
       for (const double tolerance : {1e-5, 1e-9}) {
-        const TorquedMotion variation(body, torques,
-                                      {tolerance, std::min(0.0, end_s), std::max(0.0, end_s), "variation"});
+        const TorquedMotion variation(body, torques, {tolerance, std::min(0.0, end_s), std::max(0.0, end_s)});
         EXPECT_EQ(variation.outcome(), Outcome::done) << b.name;
+        // Beside the middle axis a rounding grows a hundred-thousandfold; there extrapolation may have to follow.
+        EXPECT_TRUE(variation.method() == "variation" || b.name == std::string_view("beside the middle axis"))
+            << b.name;
         double worst = 0.0;
         for (int i = 0; i <= 200; ++i) {  // between the points, too
           const double t = end_s * i / 200.0, off = distance(variation.at(t), truth.at(t));

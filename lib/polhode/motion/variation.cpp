@@ -8,15 +8,17 @@ namespace polhode {
 namespace {
 
 constexpr int kFinest = Variation::kDegree;
-constexpr double kDifference_rad = 5e-5;    // of neighbours: its fourth power and a rounding divided by it are small
-constexpr double kLongestEpoch_rad = 10.0;  // after which the derivatives lose digits
+// Of neighbours, times the eighth root of the tolerance: 3e-5 at 1e-10. Its fourth power and a rounding divided by it
+// are small, and runs to two tolerances do not share the error.
+constexpr double kDifference_rad = 6e-4;
+constexpr double kLongestEpoch_rad = 10.0;      // after which the derivatives lose digits
 constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
-constexpr double kLargestDerivative = 30.0;     // of which the fifth power measures the error of the derivatives
+constexpr double kLargestDerivative = 12.0;     // of which the fifth power measures the error of the derivatives
 constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
 constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
-constexpr double kLeft = 0.3;                        // of a window's share of the tolerance, by the iteration
-constexpr double kMostEvaluationsPerRadian = 200.0;  // beyond which splitting is cheaper
+constexpr double kLeft = 0.3;                       // of a window's share of the tolerance, by the iteration
+constexpr double kMostEvaluationsPerRadian = 70.0;  // beyond which extrapolation is cheaper
 
 /// Point i of the Chebyshev grid of degree n on (-1, 1), ascending.
 double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n); }
@@ -77,7 +79,8 @@ ThetaMotion neighbour(const Vector3& moments, const Quaternion& q, const Vector3
 
 }  // namespace
 
-Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial)
+Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
+                        double difference_rad)
     : base_s(t_s),
       momentum(momentum_inertial),
       magnitude(momentum.norm()),
@@ -88,13 +91,13 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
                                                : along.unitOrthogonal()),
       second(along.cross(first)),
       free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step),
-      about_second{neighbour(moments, q, momentum, -2.0 * kDifference_rad * second),
-                   neighbour(moments, q, momentum, -kDifference_rad * second),
-                   neighbour(moments, q, momentum, kDifference_rad * second),
-                   neighbour(moments, q, momentum, 2.0 * kDifference_rad * second)} {
+      about_second{neighbour(moments, q, momentum, -2.0 * difference_rad * second),
+                   neighbour(moments, q, momentum, -difference_rad * second),
+                   neighbour(moments, q, momentum, difference_rad * second),
+                   neighbour(moments, q, momentum, 2.0 * difference_rad * second)} {
   if (across_rad_s > 1e-4 * omega.norm()) return;
   for (int k = 0; k < 4; ++k) {
-    const double angle_rad = std::array{-2.0, -1.0, 1.0, 2.0}[k] * kDifference_rad;
+    const double angle_rad = std::array{-2.0, -1.0, 1.0, 2.0}[k] * difference_rad;
     const Quaternion start = turned(angle_rad * first, q);
     about_first[k].emplace(FreeBody{moments, start, start.conjugate() * momentum}, ThetaMotion::Span::step);
   }
@@ -143,7 +146,7 @@ void Variation::find_places(const Epoch& epoch, std::span<const double> since_ba
     const auto apart = [&](int plus, int minus) {
       return rotation_vector(quaternion(neighbours[plus], i), quaternion(neighbours[minus], i));
     };
-    return (8.0 * apart(2, 1) - apart(3, 0)) / (12.0 * kDifference_rad);
+    return (8.0 * apart(2, 1) - apart(3, 0)) / (12.0 * difference_rad_);
   };
   for (std::size_t i = 0; i < count; ++i) {
     Place& p = places[i];
@@ -198,13 +201,14 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       moments_(start.principal_moments),
       inverse_moments_(start.principal_moments.cwiseInverse()),
       start_s_(start_s),
-      start_{start.q_inertial_from_body.normalized(), start.momentum_body} {
+      start_{start.q_inertial_from_body.normalized(), start.momentum_body},
+      difference_rad_(kDifference_rad * std::pow(tolerance, 0.125)) {
   static const Grid coarse(kFinest / 2), fine(kFinest);
   whole_ = start_s == end_s;
   if (whole_ || !(start.momentum_body.norm() > 0.0)) return;
   const double span_s = std::abs(end_s - start_s);
   const Vector3 momentum = start_.q_inertial_from_body * start_.momentum_body;
-  epochs_.emplace_back(start_s, moments_, start_.q_inertial_from_body, momentum);
+  epochs_.emplace_back(start_s, moments_, start_.q_inertial_from_body, momentum, difference_rad_);
   Coefficients y = Coefficients::Zero();
   double t = start_s, wanted_rad = 4.0;
   while (t != end_s) {
@@ -291,7 +295,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     }
     wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), kLongestWindow_rad);
     if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
-        static_cast<double>(evaluations_) > 2000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
+        static_cast<double>(evaluations_) > 1000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
       return;
     }
     if (!good) continue;
@@ -303,7 +307,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     if (d.angle.norm() > kLargestDeviation_rad || std::abs(end.since_base_s) * rate_rad_s > kLongestEpoch_rad ||
         std::max(end.by_first.norm(), end.by_second.norm()) > kLargestDerivative) {
       const Quaternion q = end.state(epoch, y).q_inertial_from_body;
-      epochs_.emplace_back(t, moments_, q, epoch.momentum + d.momentum);
+      epochs_.emplace_back(t, moments_, q, epoch.momentum + d.momentum, difference_rad_);
       y.setZero();
     }
   }

@@ -51,7 +51,8 @@ class Variation {
 
   /// One free motion, and neighbours that give its derivatives by the initial attitude.
   struct Epoch {
-    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
+    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
+          double difference_rad);
     double base_s;
     Vector3 momentum;  ///< inertial
     double magnitude;  ///< of the momentum
@@ -77,6 +78,7 @@ class Variation {
   Vector3 moments_, inverse_moments_;
   double start_s_;
   FreeState start_;
+  double difference_rad_;  // by which neighbours are turned
   std::deque<Epoch> epochs_;
   std::vector<Window> windows_;
   bool whole_ = false;
