@@ -1,6 +1,8 @@
 """Attitude histories written again by polhode propagate: in other formats, frames, scales and at other times, against the
 motion from which the history was made (numpy, scipy) and through independent readers."""
 
+import json
+
 import astropy.units as u
 import erfa
 import numpy as np
@@ -174,3 +176,26 @@ def test_a_message_with_inertia_is_a_body_unless_its_history_is_asked_for(tmp_pa
     assert list(table["date_tt"]) == [f"2020-01-01T00:00:0{s}.000" for s in range(5)]
     assert_within(np.abs(table["omega_body_z_rad_s"] - np.radians(9)), 1e-15)
     assert run("propagate", TOUTATIS, "-o", tmp_path / "c.csv", "--history", check=False).returncode == 2
+
+
+@pytest.mark.parametrize("name, rows", [("AEMExample01.txt", 4), ("AEMExample04.txt", 11), ("AEMExample08.txt", 2),
+                                        ("AEMExample11.xml", 2), ("ACMExample05.txt", 10)])  # fmt: skip
+def test_published_examples_come_back(tmp_path, name, rows):
+    """Rows within the usable spans; of AEMExample05 none is."""
+    out = propagate(CCSDS / name, tmp_path / "a.aem")
+    assert sum(len(segment.rows) for segment in read(out)[1]) == rows
+    report = json.loads(run("compare", out, CCSDS / name, "--json", "--tolerance", "1e-12 rad").stdout)
+    assert (report["rows_compared"], report["rows_outside"]) == (rows, 0)
+    refused = run("propagate", CCSDS / "AEMExample05.txt", "-o", tmp_path / "b.aem", check=False)
+    assert refused.returncode == 2 and "usable span" in refused.stderr
+
+
+def test_info_says_what_a_history_has(tmp_path):
+    source = history(tmp_path / "in.aem", usable=("2016-12-31T23:59:52", "2017-01-01T00:00:15"))
+    (report,) = json.loads(run("info", "--json", source).stdout)
+    (segment,) = report["history"]["segments"]
+    assert (report["history"]["object"], segment["interpolation"], segment["degree"]) == ("CONE", "HERMITE", 7)
+    assert segment["interpolation_stated"] and segment["rates"] and segment["rows"] == 61
+    assert segment["usable_start"].startswith("2016-12-31T23:59:52") and segment["usable_stop"].startswith("2017-01-01T00:00:15")
+    text = run("info", source).stdout
+    assert "Attitude history of CONE: 61 rows in 1 segment, UTC" in text and "beyond its attitude history" in text

@@ -11,7 +11,6 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/body/invariants.hpp"
-#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "subcommands.hpp"
 
@@ -69,8 +68,8 @@ struct Report {
 };
 
 Report report_on(const std::string& path) {
-  Report report{path, read_body(path), std::nullopt, std::nullopt, std::nullopt, std::nullopt};
-  if (path.rfind('#') == std::string::npos) report.history = read_attitude_history(path);
+  BodyAndHistory file = read_body_and_history(path);
+  Report report{path, std::move(file.body), std::nullopt, std::nullopt, std::nullopt, std::move(file.history)};
   Body& body = report.body;
   for (const std::string& what : body.missing) {
     body.warnings.push_back((report.history ? "cannot be propagated beyond its attitude history; it lacks "

@@ -24,7 +24,6 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/planner.hpp"
-#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -313,23 +312,22 @@ void export_history(const PropagateOptions& options, Format format, AttitudeHist
   write_watched(options, format, segments);
 }
 
-/// The attitude history to write instead of the motion of a body: of a file that has one, and no complete body.
-std::optional<AttitudeHistory> history_instead(const PropagateOptions& options, const Body& body) {
-  if (body.missing.empty() && !options.history) {
-    if (!body.attitudes.empty() && body.attitudes.front().block == "ATT") {
-      fmt::print(stderr,
-                 "polhode: the motion of the body is computed; --history writes the attitudes of the message\n");
-    }
-    return std::nullopt;
+/// Whether to write the attitude history instead of the motion of a body: of a file that has one, and no complete body.
+bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& file) {
+  if (!file.history) {
+    if (options.history) throw InputError({options.body_file, 0}, "holds no attitude history");
+    return false;
   }
-  std::optional<AttitudeHistory> history;
-  if (std::filesystem::exists(options.body_file)) history = read_attitude_history(options.body_file);
-  if (!history && options.history) throw InputError({options.body_file, 0}, "holds no attitude history");
-  if (history && !body.missing.empty()) {
+  const std::vector<std::string>& missing = file.body.missing;
+  if (missing.empty() && !options.history) {
+    fmt::print(stderr, "polhode: the motion of the body is computed; --history writes the attitudes of the message\n");
+    return false;
+  }
+  if (!missing.empty()) {
     fmt::print(stderr, "polhode: no motion can be computed, it would need {}; the attitude history is taken\n",
-               fmt::join(body.missing, ", "));
+               fmt::join(missing, ", "));
   }
-  return history;
+  return true;
 }
 
 void propagate(PropagateOptions options) {
@@ -339,10 +337,11 @@ void propagate(PropagateOptions options) {
     scene = read_scene(options.body_file);
     complete(options, *scene);
   }
-  const Body body = scene ? scene->body : read_body(options.body_file);
+  BodyAndHistory file = scene ? BodyAndHistory{scene->body, std::nullopt} : read_body_and_history(options.body_file);
+  const Body& body = file.body;
   for (const std::string& warning : body.warnings) fmt::print(stderr, "polhode: {}\n", warning);
-  if (std::optional<AttitudeHistory> history = scene ? std::nullopt : history_instead(options, body)) {
-    export_history(options, format, *std::move(history));
+  if (is_history_wanted(options, file)) {
+    export_history(options, format, *std::move(file.history));
     return;
   }
   const Frame out_frame = scene ? scene->frame : frame(options.frame);

@@ -229,20 +229,25 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
 
 bool is_attitude_table(std::string_view text) { return is_fits(text) || is_text_table(text); }
 
+std::optional<AttitudeHistory> take_history(std::vector<CcsdsAttitudeMessage>& messages, const std::string& name) {
+  std::optional<AttitudeHistory> first;
+  for (CcsdsAttitudeMessage& message : messages) {
+    if (!message.history) continue;
+    if (!first) {
+      first = std::move(message.history);
+    } else {
+      first->warnings.push_back(
+          fmt::format("{}: a further attitude history, of {}; the first is used", name, message.body.name));
+    }
+  }
+  return first;
+}
+
 std::optional<AttitudeHistory> parse_attitude_history(std::string_view content, const std::string& name) {
   if (is_fits(content)) return parse_fits(content, name);
   if (is_ccsds(content)) {
-    std::optional<AttitudeHistory> first;
-    for (CcsdsAttitudeMessage& message : parse_ccsds_attitude(content, name)) {
-      if (!message.history) continue;
-      if (!first) {
-        first = std::move(message.history);
-      } else {
-        first->warnings.push_back(
-            fmt::format("{}: a further attitude history, of {}; the first is used", name, message.body.name));
-      }
-    }
-    return first;
+    std::vector<CcsdsAttitudeMessage> messages = parse_ccsds_attitude(content, name);
+    return take_history(messages, name);
   }
   if (is_text_table(content)) return parse_text_table(content, name);
   return std::nullopt;

@@ -3,8 +3,10 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "polhode/ephemeris/attitude_history.hpp"
+#include "polhode/read/ccsds_attitude.hpp"
 
 namespace polhode {
 
@@ -20,6 +22,9 @@ std::optional<AttitudeHistory> read_attitude_history(const std::string& path);
 
 /// The same from memory; `name` stands for the file in messages.
 std::optional<AttitudeHistory> parse_attitude_history(std::string_view content, const std::string& name);
+
+/// The first attitude history of these messages, with a warning of further ones; `name` stands for their file.
+std::optional<AttitudeHistory> take_history(std::vector<CcsdsAttitudeMessage>& messages, const std::string& name);
 
 /// Whether the content is such a table in FITS or text.
 bool is_attitude_table(std::string_view text);

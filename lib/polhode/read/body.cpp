@@ -17,8 +17,9 @@ namespace polhode {
 namespace {
 
 /// Of several messages the one that lacks least, the first of them.
-Body body_of_messages(const std::string& text, const std::string& path) {
+BodyAndHistory of_messages(const std::string& text, const std::string& path) {
   std::vector<CcsdsAttitudeMessage> messages = parse_ccsds_attitude(text, path);
+  std::optional<AttitudeHistory> history = take_history(messages, path);
   std::size_t best = 0;
   for (std::size_t i = 1; i < messages.size(); ++i) {
     if (messages[i].body.missing.size() < messages[best].body.missing.size()) best = i;
@@ -28,12 +29,12 @@ Body body_of_messages(const std::string& text, const std::string& path) {
     messages[best].body.notes.push_back(fmt::format("the file also holds an {} {} of {}", messages[i].kind,
                                                     messages[i].version, messages[i].body.name));
   }
-  return std::move(messages[best].body);
+  return {std::move(messages[best].body), std::move(history)};
 }
 
 /// A table of attitudes: its first row is a state.
-Body body_of_table(const std::string& text, const std::string& path) {
-  const AttitudeHistory history = parse_attitude_history(text, path).value();
+BodyAndHistory of_table(const std::string& text, const std::string& path) {
+  AttitudeHistory history = parse_attitude_history(text, path).value();
   const AttitudeSegment& segment = history.segments.front();
   const AttitudeSample& row = segment.samples.front();
   Body body;
@@ -47,7 +48,7 @@ Body body_of_table(const std::string& text, const std::string& path) {
   }
   if (!row.omega_body_rad_s) body.missing.emplace_back("an angular velocity");
   body.missing.emplace_back("an inertia");
-  return body;
+  return {std::move(body), std::move(history)};
 }
 
 /// A shape alone: ratios of inertia at uniform density, no state.
@@ -71,23 +72,27 @@ Body body_of_mesh(const std::string& text, const std::string& path) {
 }  // namespace
 
 Body read_body(const std::string& path, const ContentOf& content_of) {
+  return read_body_and_history(path, content_of).body;
+}
+
+BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& content_of) {
   // FILE#ID names a row of a table.
   const std::size_t mark = std::filesystem::exists(path) ? std::string::npos : path.rfind('#');
   const std::string file = path.substr(0, mark);
   const std::string text = content_of(file);
-  if (is_ccsds(text)) return body_of_messages(text, file);
-  if (is_attitude_table(text)) return body_of_table(text, file);
+  if (is_ccsds(text)) return of_messages(text, file);
+  if (is_attitude_table(text)) return of_table(text, file);
   if (is_damit_table(text))
-    return parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1));
-  if (is_damit_spin(text)) return parse_damit_spin(text, file);
-  if (is_shape_model(text)) return parse_shape_model(text, file);
-  if (is_mesh(text)) return body_of_mesh(text, file);
+    return {parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1)), {}};
+  if (is_damit_spin(text)) return {parse_damit_spin(text, file), {}};
+  if (is_shape_model(text)) return {parse_shape_model(text, file), {}};
+  if (is_mesh(text)) return {body_of_mesh(text, file), {}};
   if (text.find('=') == std::string::npos) {
     throw InputError({file, 0},
                      "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "
                      "(FITS, CSV, ECSV), DAMIT's spin.txt, shape.txt and tables, SHAPE models, meshes (OBJ, PLY, STL)");
   }
-  return parse_body_file(text, file, content_of);
+  return {parse_body_file(text, file, content_of), {}};
 }
 
 }  // namespace polhode

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "polhode/body/body.hpp"
+#include "polhode/ephemeris/attitude_history.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {
@@ -10,5 +12,12 @@ namespace polhode {
 /// A body from any file that describes one; its content, not its name, says which kind it is. Throws InputError with
 /// file and line, FileError if it cannot be read.
 Body read_body(const std::string& path, const ContentOf& content_of = read_text_file);
+
+/// The same with the attitude history of the file, if it has one (read/attitude_history_file.hpp).
+struct BodyAndHistory {
+  Body body;
+  std::optional<AttitudeHistory> history;
+};
+BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& content_of = read_text_file);
 
 }  // namespace polhode

@@ -6,8 +6,8 @@
 
 namespace polhode {
 
-/// The whole of a file as bytes, unpacked if it is compressed by gzip, without a byte-order mark of UTF-8. Throws InputError for a directory, a device and
-/// an empty file, FileError where it cannot be read.
+/// The whole of a file as bytes, unpacked if it is compressed by gzip, without a byte-order mark of UTF-8. Throws
+/// InputError for a directory, a device and an empty file, FileError where it cannot be read.
 std::string read_text_file(const std::string& path);
 
 /// What gzip has packed; `name` stands for the file in messages. Throws InputError for broken or cut-off content, and
