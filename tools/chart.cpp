@@ -49,6 +49,7 @@ std::vector<std::string> or_standard(const std::vector<std::string>& given, cons
                                      const std::vector<std::string>& standard) {
   if (!given.empty()) return given;
   std::vector<std::string> paths;
+  paths.reserve(standard.size());
   for (const std::string& name : standard) paths.push_back(fmt::format("{}{}{}", POLHODE_DATA_DIR, folder, name));
   return paths;
 }
@@ -209,7 +210,7 @@ survey::TorquedSubject read_torqued_subject(const std::string& text) {
 
 void chart_torqued(const ChartOptions& options) {
   constexpr int kInstants = 1000;
-  constexpr double kEvaluations = 2e5, kEvaluationsPerTurn = 500.0;
+  constexpr double kEvaluations = 5e4, kEvaluationsPerTurn = 500.0;
   std::vector<survey::TorquedSubject> subjects;
   for (const std::string& text : or_standard(options.bodies, "/", kStandardTorqued)) {
     subjects.push_back(read_torqued_subject(text));

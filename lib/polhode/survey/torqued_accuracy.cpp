@@ -13,7 +13,7 @@ namespace polhode::survey {
 namespace {
 
 /// Names of TorquedOptions::method: what is charted at tolerances.
-constexpr std::string_view torqued_motions[] = {"auto", "extrapolation"};
+constexpr std::string_view torqued_motions[] = {"auto", "variation", "extrapolation"};
 
 constexpr double reference_tolerance_rad = 1e-14;
 constexpr int loosest_digits = 2, tightest_digits = 16;  // of tolerances
@@ -143,7 +143,8 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
     TorquedRow best;
     best.attitude_rad = infinity;
     const double first_s = std::min(4.0 * free_step_s, step_s);
-    for (int n = 0;; ++n) {
+    bool exhausted = false;
+    for (int n = 0; !exhausted; ++n) {
       const double s = std::ldexp(first_s, -n);
       control.free_step_s = s;
       const TorquedRow row = measured(e, method, control);
@@ -151,9 +152,10 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
       const bool better = row.attitude_rad < 0.8 * before;
       if (better) best = row, free_step_s = s;
       if (std::isfinite(before) && !better) break;
-      if (span_s / s > 5.0 * e.most_evaluations) break;
+      exhausted = span_s / s > 2.5 * e.most_evaluations;
     }
-    if (!progress.take(best)) return;
+    // Where the free motion is what limits, finer kicks change nothing.
+    if (!progress.take(best) || exhausted) return;
   }
 }
 
