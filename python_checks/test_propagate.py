@@ -1,6 +1,8 @@
 """polhode propagate as a command: what it refuses, how it says so, and that nothing is left behind."""
 
 import os
+import pty
+import re
 import signal
 import subprocess
 import time
@@ -93,6 +95,45 @@ def test_no_progress_line_without_a_terminal(tmp_path):
     result = run("propagate", TOUTATIS, "-o", tmp_path / "out.csv", *SPAN)
     assert "\r" not in result.stderr
     assert result.stdout == ""
+
+
+def test_progress_on_a_terminal(tmp_path):
+    """Part, rate and time left; Ctrl-C typed at it takes the line away and leaves nothing."""
+    ours, its = pty.openpty()
+    command = [PROGRAM, "propagate", TOUTATIS, "-o", tmp_path / "out.fits", "--stop", "+100000 d", "--step", "0.01"]
+    process = subprocess.Popen(
+        command, stderr=its, stdin=its, start_new_session=True, preexec_fn=lambda: os.close(os.open(os.ttyname(its), os.O_RDWR))
+    )
+    os.close(its)
+    text = b""
+    while not re.search(rb"left", text):
+        text += os.read(ours, 4096)
+    assert re.fullmatch(rb"\r\x1b\[Kpolhode:  *0\.\d %, [\d.e+]+ rows/s, \d+:\d\d:\d\d left", text), text
+    os.write(ours, b"\x03")
+    end = b""
+    while b"not written" not in end:
+        end += os.read(ours, 4096)
+    assert re.search(rb"\r\x1b\[K.*polhode: stopped; .*out.fits is not written", end, re.S), end
+    assert process.wait(timeout=20) == -signal.SIGINT
+    assert list(tmp_path.iterdir()) == []
+    os.close(ours)
+
+
+def test_doubtful_utc_is_said_and_a_table_can_be_given(tmp_path):
+    out = tmp_path / "out.csv"
+    spans = {
+        "not known": ("--start", "2090-01-01 UTC", "--stop", "+1 d", "--step", "12 h"),
+        "1960": ("--start", "1950-01-01", "--stop", "+1 d", "--step", "12 h", "--scale", "UTC"),
+    }
+    for word, span in spans.items():
+        assert word in run("propagate", TOUTATIS, "-o", out, *span).stderr
+    kernel = tmp_path / "naif.tls"
+    table = "".join(f"{s}, @{y}-{m}-1\n" for s, y, m in [(10, 1972, "JAN"), (37, 2017, "JAN"), (38, 2035, "JUL")])
+    kernel.write_text(f"KPL/LSK\n\\begindata\nDELTET/DELTA_AT = ( {table} )\n\\begintext\n")
+    span = ("--start", "2035-06-30T23:59:59", "--stop", "+2 s", "--step", "1", "--scale", "UTC")
+    run("propagate", TOUTATIS, "-o", out, *span, "--leap-seconds", kernel)
+    dates = [line.split(",")[0] for line in out.read_text().splitlines()[1:]]
+    assert dates == ["2035-06-30T23:59:59.000", "2035-06-30T23:59:60.000", "2035-07-01T00:00:00.000"]
 
 
 def test_the_same_input_gives_the_same_bytes(tmp_path):

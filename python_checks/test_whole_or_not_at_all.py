@@ -1,5 +1,6 @@
 """A kill at any moment and a full disk: never a truncated file under the final name."""
 
+import os
 import random
 import re
 import shutil
@@ -19,10 +20,15 @@ def is_whole(path):
         with fits.open(path, checksum=True) as file:
             return len(file["ATTITUDE"].data) == ROWS and file["ATTITUDE"].verify_datasum() == 1
     text = path.read_text()
+    if path.suffix == ".csv":
+        return text.endswith("\n") and text.count("\n") == ROWS + 1
     return text.endswith("DATA_STOP\n") and len(re.findall(r"^\d{4}-", text, re.M)) == ROWS
 
 
-@pytest.mark.parametrize("ending", ["fits", "aem"])
+KILLS = 34  # of each format: a hundred in all
+
+
+@pytest.mark.parametrize("ending", ["fits", "aem", "csv"])
 def test_killed_at_random_moments(tmp_path, ending):
     seed = 20260101
     moments = random.Random(seed)
@@ -32,7 +38,7 @@ def test_killed_at_random_moments(tmp_path, ending):
     subprocess.run(command, check=True, capture_output=True)
     takes = time.monotonic() - begin
     whole = absent = 0
-    for i in range(50):
+    for i in range(KILLS):
         out = command[4] = tmp_path / f"{i}.{ending}"
         process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
         time.sleep(moments.uniform(0, 1.2 * takes))
@@ -60,14 +66,15 @@ def test_file_size_limit(tmp_path, ending):
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("ending", ["fits", "aem"])
+@pytest.mark.parametrize("ending", ["fits", "fits.gz", "aem", "csv"])
 def test_full_disk(tmp_path, ending):
     if shutil.which("unshare") is None:
         pytest.skip("no unshare on this machine")
+    as_root = [] if os.geteuid() == 0 else ["--map-root-user"]
     script = f"mount -t tmpfs -o size=1m none {tmp_path} || exit 77; \
         {PROGRAM} propagate {TOUTATIS} -o {tmp_path}/a.{ending} --stop '+60 d' --count {ROWS}; \
         echo status $?; ls -A {tmp_path}"
-    result = subprocess.run(["unshare", "--mount", "--map-root-user", "sh", "-c", script], capture_output=True, text=True)
+    result = subprocess.run(["unshare", "--mount", *as_root, "sh", "-c", script], capture_output=True, text=True)
     if result.returncode == 77 or "status" not in result.stdout:
         pytest.skip(f"a small tmpfs cannot be mounted here: {result.stderr.strip()[:100]}")
     assert result.stdout == "status 3\n", result.stdout  # and nothing is left
@@ -80,3 +87,10 @@ def test_gzip_is_fits_inside(tmp_path):
     assert out.read_bytes()[:2] == b"\x1f\x8b"
     with fits.open(out, checksum=True) as file:
         assert len(file["ATTITUDE"].data) == ROWS
+
+
+def test_gzip_refuses_what_memory_cannot_hold(tmp_path):
+    result = run("propagate", TOUTATIS, "-o", tmp_path / "a.fits.gz", "--stop", "+60 d", "--count", 10**9, check=False)
+    assert result.returncode == 2
+    assert "64.00 GB, all held in memory" in result.stderr and "Write .fits" in result.stderr
+    assert list(tmp_path.iterdir()) == []

@@ -9,9 +9,9 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/frames/frame.hpp"
-#include "polhode/read/leap_seconds_file.hpp"
 #include "polhode/time/scale.hpp"
 #include "subcommands.hpp"
+#include "utc.hpp"
 
 namespace polhode::tools {
 namespace {
@@ -29,27 +29,6 @@ void filter_lines(const Convert& convert) {
     }
   }
   write_standard_output({out.data(), out.size()});
-}
-
-// Doubtful UTC is converted all the same, and said once.
-class UtcDoubts {
- public:
-  void look_at(Instant instant) {
-    if (said_) return;
-    if (const auto doubt = utc_doubt(instant)) {
-      fmt::print(stderr, "polhode: note: {}: {}\n", format_date(instant, TimeScale::utc, 0), *doubt);
-      said_ = true;
-    }
-  }
-
- private:
-  bool said_ = false;
-};
-
-void add_leap_seconds(CLI::App& command) {
-  command.add_option_function<std::string>(
-      "--leap-seconds", [](const std::string& path) { set_leap_seconds(read_leap_seconds(path)); },
-      "table of leap seconds to use: a NAIF leap-second kernel");
 }
 
 }  // namespace

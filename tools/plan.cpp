@@ -34,10 +34,11 @@ void print_plan(const PlanOptions& options) {
     fmt::format_to(out, "horizon    {:.4g} s: then periods uncertain by {:g} of themselves have lost the accuracy{}\n",
                    horizon_s, *scene.period_uncertainty, phase_is_lost ? "; the span is longer" : "");
   }
-  fmt::format_to(out, "\n{:<22} {:>12} {:>12}  {:<8} {}\n", "effect", "periodic/rad", "secular/rad", "", "why");
-  for (const PlannedEffect& effect : plan.effects) {
-    fmt::format_to(out, "{:<22} {:>12.2e} {:>12.2e}  {:<8} {}\n", effect.name, effect.periodic_rad, effect.secular_rad,
-                   effect.kept ? "kept" : "dropped", effect.why);
+  fmt::format_to(out, "\n{:<26} {:>12} {:>12}  {:<8} {}\n", "effect", "periodic/rad", "secular/rad", "", "why");
+  for (std::size_t i = 0; i < plan.effects.size(); ++i) {
+    const PlannedEffect& effect = plan.effects[i];
+    fmt::format_to(out, "{:<26} {:>12.2e} {:>12.2e}  {:<8} {}\n", scene.torque_names[i], effect.periodic_rad,
+                   effect.secular_rad, effect.kept ? "kept" : "dropped", effect.why);
   }
   fmt::format_to(out, "\nmodel      {} ({})\nerror      {:.2e} rad, of which dropped effects {:.2e}\n", plan.model,
                  plan.why, plan.error_rad, plan.dropped_rad);

@@ -28,6 +28,7 @@
 #include "polhode/write/fits.hpp"
 #include "polhode/write/text_table.hpp"
 #include "subcommands.hpp"
+#include "utc.hpp"
 
 namespace polhode::tools {
 namespace {
@@ -137,7 +138,12 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
         !options.tolerance.empty()) {
       throw InputError("--times stands alone: without --start, --stop, --step, --count, --tolerance");
     }
-    return {TimeGrid::of_list(read_time_list(options.times, scale), scale)};
+    const std::vector<Instant> times = read_time_list(options.times, scale);
+    if (scale == TimeScale::utc) {
+      UtcDoubts doubts;
+      for (const Instant time : times) doubts.look_at(time);
+    }
+    return {TimeGrid::of_list(times, scale)};
   }
   const int spacings = int(!options.step.empty()) + int(options.count != 0) + int(!options.tolerance.empty());
   if (spacings != 1) throw InputError("one of --step and --count and --tolerance is needed, or --times");
@@ -149,13 +155,21 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
                     options.starts.size(), options.stops.size()));
   }
   // "+60 d" counts from the body's epoch for --start, from the start for --stop.
-  const auto date = [scale](const std::string& text, Instant from) {
-    return text.starts_with('+') ? from + parse_duration(text) : parse_date_with_scale(text, scale).instant;
+  UtcDoubts doubts;
+  const auto date = [&doubts, scale](const std::string& text, Instant from) {
+    if (text.starts_with('+')) return from + parse_duration(text);
+    const auto [instant, written_in] = parse_date_with_scale(text, scale);
+    if (written_in == TimeScale::utc) doubts.look_at(instant);
+    return instant;
   };
   std::vector<TimeGrid> grids;
   for (std::size_t i = 0; i < options.stops.size(); ++i) {
     const Instant start = options.starts.empty() ? epoch : date(options.starts[i], epoch);
     const Instant stop = date(options.stops[i], start);
+    if (scale == TimeScale::utc) {
+      doubts.look_at(start);
+      doubts.look_at(stop);
+    }
     if (!options.step.empty()) {
       grids.push_back(TimeGrid::with_step(start, stop, parse_duration(options.step), scale));
     } else {
@@ -327,6 +341,7 @@ void add_propagate(CLI::App& app) {
   command->add_option("--frame", options->frame, "Inertial frame of the attitude")->capture_default_str();
   command->add_option("--scale", options->scale, "Time scale of the rows, and of dates that name none")
       ->capture_default_str();
+  add_leap_seconds(*command);
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
   command->add_flag("--momentum", options->momentum, "Write the angular momentum too (FITS, CSV, ECSV)");
   command->add_option("--adm", options->adm, "Version of the CCSDS message, 1.0 or 2.0")->capture_default_str();

@@ -11,6 +11,7 @@
 #include <random>
 #include <vector>
 
+#include "polhode/body/inertia.hpp"
 #include "polhode/motion/events.hpp"
 #include "polhode/motion/kinematics.hpp"
 
@@ -165,6 +166,37 @@ TEST(ThetaProperty, AxesMayPointEitherWay) {  // the same body in axes turned by
       worst.add((turn.conjugate() * other.momentum_body - one.momentum_body).norm() / one.momentum_body.norm(), n);
     }
   }
+}
+
+TEST(ThetaProperty, AxesMayBePermuted) {  // the same body with its axes named in the six orders, through the tensor
+  Bodies bodies;
+  Worst worst(100 * kEps);
+  int compared = 0;
+  for (int n = 0; n < 1000; ++n) {
+    const FreeBody b = bodies.next();
+    const Vector3& i = b.principal_moments;
+    if (i[0] + i[1] < i[2]) continue;  // no mass distribution has this tensor
+    const double t = bodies.uniform(-5, 5) / fastest(b);
+    const FreeState one = ThetaMotion(b).at(t);
+    int order[3] = {0, 1, 2};
+    do {
+      Matrix3 named = Matrix3::Zero();  // v_named = named v_principal
+      for (int k = 0; k < 3; ++k) named(order[k], k) = 1.0;
+      named.row(0) *= named.determinant();
+      const Vector3 moments_named = named.cwiseAbs() * i;
+      const Inertia inertia = inertia_from_moments(moments_named, false);
+      const Matrix3 turn = inertia.named_from_principal.transpose() * named;  // to the axes found from those of b
+      const Quaternion q_turn = Quaternion(turn).normalized();
+      const FreeState other =
+          ThetaMotion({inertia.principal_moments, b.q_inertial_from_body.normalized() * q_turn.conjugate(),
+                       turn * b.momentum_body})
+              .at(t);
+      worst.add(rotation_angle_rad(other.q_inertial_from_body * q_turn, one.q_inertial_from_body), n);
+      worst.add((turn.transpose() * other.momentum_body - one.momentum_body).norm() / one.momentum_body.norm(), n);
+      ++compared;
+    } while (std::next_permutation(order, order + 3));
+  }
+  EXPECT_GE(compared, 1000);
 }
 
 TEST(ThetaProperty, InertialFrameIsFree) {
@@ -411,6 +443,29 @@ TEST(ThetaProperty, BatchIsTheSameInEveryLayoutAndAsSingleCalls) {
         ASSERT_EQ(k < 4 ? sq[component] : s.momentum_body[component], expected) << i;
       }
       ASSERT_EQ(wide[10 * i + 7], -7.0);
+    }
+  }
+}
+
+/// Phases beyond 2^44 quarter turns are reduced in another way, in a batch all lanes together.
+TEST(ThetaProperty, TimesOfAllSizesInOneBatchAsInSingleCalls) {
+  const theta::Target* targets[3];
+  const std::size_t count = theta::targets(targets);
+  for (std::size_t k = 0; k < count; ++k) {
+    Bodies bodies;
+    Worst worst(4 * kEps);
+    for (int n = 0; n < 1000; ++n) {
+      const FreeBody b = bodies.next();
+      const ThetaMotion motion(b, ThetaMotion::Span::any, *targets[k]);
+      std::vector<double> t(21);
+      for (double& x : t) x = bodies.uniform(-1, 1) * std::pow(10.0, bodies.uniform(0, 22)) / fastest(b);
+      const Rows batch = rows(*targets[k], motion.solution(), t);
+      for (std::size_t i = 0; i < t.size(); ++i) {
+        const FreeState s = motion.at(t[i]);
+        worst.add((scalar_first(s.q_inertial_from_body) - Eigen::Map<const Eigen::Vector4d>(&batch.q[4 * i])).norm(),
+                  n);
+        worst.add((s.momentum_body - Eigen::Map<const Vector3>(&batch.m[3 * i])).norm() / b.momentum_body.norm(), n);
+      }
     }
   }
 }

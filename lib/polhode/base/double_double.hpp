@@ -1,5 +1,8 @@
 #pragma once
 
+#include <bit>
+#include <cstdint>
+
 #include "polhode/base/target.hpp"
 
 namespace polhode {
@@ -89,9 +92,12 @@ inline DoubleDouble sqrt(DoubleDouble a) {  // one Newton step from the double, 
   return fast_two_sum(s, residual / (2.0 * s));
 }
 
-inline DoubleDouble ldexp(DoubleDouble a, int exponent) {
-  return {__builtin_ldexp(a.high, exponent), __builtin_ldexp(a.low, exponent)};
+/// a 2^exponent. The library's function is called only for powers that are not normal numbers themselves.
+inline double ldexp(double a, int exponent) {
+  if (exponent < -1022 || exponent > 1023) return __builtin_ldexp(a, exponent);
+  return a * std::bit_cast<double>((std::int64_t{exponent} + 1023) << 52);
 }
+inline DoubleDouble ldexp(DoubleDouble a, int exponent) { return {ldexp(a.high, exponent), ldexp(a.low, exponent)}; }
 
 inline constexpr DoubleDouble kPi{0x1.921fb54442d18p+1, 0x1.1a62633145c07p-53};
 inline constexpr DoubleDouble kLn2{0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
@@ -145,7 +151,6 @@ inline void sincos_turns(DoubleDouble x, DoubleDouble& sine, DoubleDouble& cosin
 }
 
 // The same functions for double, so that one text serves both.
-inline double ldexp(double a, int exponent) { return __builtin_ldexp(a, exponent); }
 inline double abs(double a) { return __builtin_fabs(a); }
 inline double sqrt(double a) { return __builtin_sqrt(a); }
 inline double exp(double a) { return __builtin_exp(a); }

@@ -22,11 +22,12 @@ Real carlson_rf_of_roots(Real x, Real y, Real z) {
   const double tolerance = sizeof(Real) == sizeof(double) ? 0.011 : 1e-4;
   Real xx = x * x, yy = y * y, zz = z * z;
   for (;;) {
-    const Real mean = (xx + yy + zz) / 3.0;
-    const Real dx = 1.0 - xx / mean, dy = 1.0 - yy / mean;
-    const Real dz = -(dx + dy);
-    const double ax = __builtin_fabs(high(dx)), ay = __builtin_fabs(high(dy)), az = __builtin_fabs(high(dz));
-    if (!(ax > tolerance || ay > tolerance || az > tolerance)) {
+    const double sum = high(xx) + high(yy) + high(zz);
+    const auto differs = [&](Real v) { return __builtin_fabs(sum - 3.0 * high(v)) > tolerance * sum; };
+    if (!(differs(xx) || differs(yy) || differs(zz))) {
+      const Real mean = (xx + yy + zz) / 3.0;
+      const Real dx = 1.0 - xx / mean, dy = 1.0 - yy / mean;
+      const Real dz = -(dx + dy);
       const Real e2 = dx * dy - dz * dz;
       const Real e3 = dx * dy * dz;
       const Real e2_2 = e2 * e2;

@@ -2,7 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include "polhode/base/error.hpp"
@@ -11,9 +12,13 @@ namespace polhode {
 namespace {
 
 bool all_finite(std::span<const double> values) {
-  double zero = 0.0;  // stays 0 as long as every value is finite
-  for (const double value : values) zero += value * 0.0;
-  return zero == 0.0;
+  std::array<double, 8> zeros{};  // stay 0 as long as every value is finite; several, so that none waits for another
+  std::size_t i = 0;
+  for (; i + zeros.size() <= values.size(); i += zeros.size()) {
+    for (std::size_t k = 0; k < zeros.size(); ++k) zeros[k] += values[i + k] * 0.0;
+  }
+  for (; i < values.size(); ++i) zeros[0] += values[i] * 0.0;
+  return std::all_of(zeros.begin(), zeros.end(), [](double zero) { return zero == 0.0; });
 }
 
 }  // namespace
@@ -40,35 +45,40 @@ Ephemeris::Ephemeris(EphemerisDescription description, const Body& body, Frame f
   }
 }
 
+void Ephemeris::refuse_equal_times(std::size_t first, TimeResolution resolution, std::span<const Seconds> times) const {
+  const auto equal = [](Seconds a, Seconds b) { return (a.high - b.high) + (a.low - b.low) == 0.0; };
+  const auto refuse = [this](std::size_t row, Seconds t) {
+    throw InputError(
+        fmt::format("rows {} and {} fall on one time, {} s after MJD {}: the step is finer than the format's times; "
+                    "take a longer one",
+                    row, row + 1, t.high, times_.reference_mjd()));
+  };
+  if (first > 0 && equal(times_.time(first - 1, resolution), times[0])) refuse(first, times[0]);
+  const auto found = std::adjacent_find(times.begin(), times.end(), equal);
+  if (found != times.end()) refuse(first + static_cast<std::size_t>(found - times.begin()) + 1, *found);
+}
+
 void Ephemeris::fill(std::size_t first, std::size_t count, TimeResolution resolution, AttitudeBlock& block) const {
   block.reserve_rows(count);
   block.rows = count;
-  double previous = first == 0 ? std::nan("") : times_.time(first - 1, resolution).high;
-  double previous_low = first == 0 ? 0.0 : times_.time(first - 1, resolution).low;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Seconds t = times_.time(first + i, resolution);
-    if ((t.high - previous) + (t.low - previous_low) == 0.0) {
-      throw InputError(
-          fmt::format("rows {} and {} fall on one time, {} s after MJD {}: the step is finer than the "
-                      "format's times; take a longer one",
-                      first + i, first + i + 1, t.high, times_.reference_mjd()));
-    }
-    block.time[i] = t;
-    previous = t.high;
-    previous_low = t.low;
-  }
+  const std::span times(block.time.data(), count);
+  times_.times(first, resolution, times);
+  refuse_equal_times(first, resolution, times);
   const std::span high(block.elapsed_high.data(), count);
   const std::span low(block.elapsed_low.data(), count);
-  times_.elapsed_tt(std::span(block.time.data(), count), epoch_, high, low, block.scale_nodes);
+  times_.elapsed_tt(times, epoch_, high, low, block.scale_nodes);
   motion_(high, low, block.q_frame_from_named.data(), block.momentum_named.data());
 
   const Vector3 inverse_moments = inertia_.principal_moments.cwiseInverse();
-  for (std::size_t i = 0; i < count; ++i) {
-    Eigen::Map<Eigen::Vector4d> q(&block.q_frame_from_named[4 * i]);
-    Eigen::Map<Vector3> momentum(&block.momentum_named[3 * i]);
-    Eigen::Map<Vector3> omega(&block.omega_named_rad_s[3 * i]);
+  double* q_row = block.q_frame_from_named.data();
+  double* m_row = block.momentum_named.data();
+  double* omega_row = block.omega_named_rad_s.data();
+  for (std::size_t i = 0; i < count; ++i, q_row += 4, m_row += 3, omega_row += 3) {
+    Eigen::Map<Vector3> momentum(m_row);
+    Eigen::Map<Vector3> omega(omega_row);
     omega = momentum.cwiseProduct(inverse_moments);
     if (!q_principal_from_named_) continue;
+    Eigen::Map<Eigen::Vector4d> q(q_row);
     q = scalar_first(from_scalar_first(q) * *q_principal_from_named_);
     momentum = (inertia_.named_from_principal * momentum).eval();
     omega = (inertia_.named_from_principal * omega).eval();

@@ -64,6 +64,8 @@ class Ephemeris {
   void fill(std::size_t first, std::size_t count, TimeResolution resolution, AttitudeBlock& block) const;
 
  private:
+  void refuse_equal_times(std::size_t first, TimeResolution resolution, std::span<const Seconds> times) const;
+
   EphemerisDescription description_;
   Inertia inertia_;
   Frame frame_;

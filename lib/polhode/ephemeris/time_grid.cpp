@@ -14,8 +14,27 @@
 namespace polhode {
 namespace {
 
-/// n * a with the rounding error of the leading product kept.
-Seconds times(double n, Seconds a) { return exact_product(n, a.high) + Seconds{n * a.low, 0.0}; }
+/// A double as two halves of 26 bits at most (Dekker, Veltkamp), for |a| < 2^996.
+struct Halves {
+  explicit Halves(double a) {
+    constexpr double splitter = 0x1p27 + 1.0;
+    const double scaled = a * splitter;
+    high = scaled - (scaled - a);
+    low = a - high;
+  }
+  double high;
+  double low;
+};
+
+/// n * a with the rounding error of the leading product kept. Without fma, which is a function call where not every
+/// machine has the instruction, and so keeps a loop from working on several rows at once.
+inline Seconds times_number(double n, Seconds a) {
+  const double product = n * a.high;
+  const Halves x(n);
+  const Halves y(a.high);
+  const double error = ((x.high * y.high - product) + x.high * y.low + x.low * y.high) + x.low * y.low;
+  return Seconds{product, error} + Seconds{n * a.low, 0.0};
+}
 
 double power_of_ten(int exponent) {  // exact up to 22
   double power = 1.0;
@@ -23,10 +42,9 @@ double power_of_ten(int exponent) {  // exact up to 22
   return power;
 }
 
-/// `t` moved to the nearest multiple of 10^-decimals. Whole seconds are split off first, so that the count of decimal
-/// units stays an exact integer.
-Seconds to_decimals(Seconds t, int decimals) {
-  const double unit = power_of_ten(decimals);
+/// `t` moved to the nearest multiple of 1 / unit. Whole seconds are split off first, so that the count of decimal units
+/// stays an exact integer.
+Seconds to_multiple(Seconds t, double unit) {
   const double whole = std::floor(t.high);
   const double ticks = std::nearbyint(((t.high - whole) + t.low) * unit);
   const double fraction = ticks / unit;
@@ -35,7 +53,7 @@ Seconds to_decimals(Seconds t, int decimals) {
 }
 
 bool is_multiple(Seconds t, int decimals) {
-  const Seconds moved = to_decimals(t, decimals) - t;
+  const Seconds moved = to_multiple(t, power_of_ten(decimals)) - t;
   return std::abs(moved.high) <= 1e-15 * std::max(1.0, std::abs(t.high) * 1e-9);
 }
 
@@ -122,16 +140,34 @@ int TimeGrid::decimals() const {
 }
 
 Seconds TimeGrid::time(std::size_t index, TimeResolution resolution) const {
-  const Seconds t = list_.empty() ? start_ + times(static_cast<double>(index), step_) : list_[index];
+  Seconds out;
+  times(index, resolution, {&out, 1});
+  return out;
+}
+
+void TimeGrid::times(std::size_t first, TimeResolution resolution, std::span<Seconds> out) const {
+  if (list_.empty()) {
+    const Seconds start = start_;
+    const Seconds step = step_;
+    const auto begin = static_cast<double>(first);  // counts below 2^53 are exact
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      out[i] = start + times_number(begin + static_cast<double>(static_cast<int>(i)), step);
+    }
+  } else {
+    std::copy_n(list_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+  }
   switch (resolution.kind) {
     case TimeResolution::Kind::one_double:
-      return {t.high, 0.0};
+      for (Seconds& t : out) t.low = 0.0;
+      break;
     case TimeResolution::Kind::two_doubles:
-      return t;
-    case TimeResolution::Kind::decimals:
-      return to_decimals(t, resolution.decimals);
+      break;
+    case TimeResolution::Kind::decimals: {
+      const double unit = power_of_ten(resolution.decimals);
+      for (Seconds& t : out) t = to_multiple(t, unit);
+      break;
+    }
   }
-  return t;
 }
 
 Instant TimeGrid::instant(Seconds time) const { return instant_from_j2000(reference_since_j2000_ + time, scale_); }
@@ -140,25 +176,32 @@ void TimeGrid::elapsed_tt(std::span<const Seconds> times, Instant epoch, std::sp
                           ScaleNodes& nodes) const {
   constexpr double node_distance_s = 43200.0;
   if (!(nodes.reference == reference_) || nodes.scale != scale_) nodes = {scale_, reference_};
-  // Elapsed TT minus elapsed seconds of scale_, since the reference: zero, or for TDB a few milliseconds that bend over
-  // days.
+  // Elapsed TT minus elapsed seconds of scale_, since the reference, at TT nodes: zero, or for TDB a few milliseconds
+  // that bend over days.
   const auto difference = [&](double node) {
-    const Seconds at{node * node_distance_s, 0.0};
-    return (instant(at) - reference_ - at).high;
+    const Seconds elapsed{node * node_distance_s, 0.0};
+    return (elapsed - (since_j2000(reference_ + elapsed, scale_) - reference_since_j2000_)).high;
   };
   const auto move_to = [&](double cell) {  // keeps the nodes that the two cells have in common
     const ScaleNodes old = nodes;
     nodes.cell = cell;
+    auto& v = nodes.values;
     for (int k = 0; k < 6; ++k) {
       const double place = cell + k - old.cell;  // NaN at first
-      nodes.values[static_cast<std::size_t>(k)] =
+      v[static_cast<std::size_t>(k)] =
           place >= 0.0 && place < 6.0 ? old.values[static_cast<std::size_t>(place)] : difference(cell + k - 2.0);
     }
+    // The quintic through (-2, v0) … (3, v5).
+    nodes.polynomial = {v[2],
+                        v[0] / 20 - v[1] / 2 - v[2] / 3 + v[3] - v[4] / 4 + v[5] / 30,
+                        -v[0] / 24 + v[1] * 2 / 3 - v[2] * 5 / 4 + v[3] * 2 / 3 - v[4] / 24,
+                        -v[0] / 24 - v[1] / 24 + v[2] * 5 / 12 - v[3] * 7 / 12 + v[4] * 7 / 24 - v[5] / 24,
+                        v[0] / 24 - v[1] / 6 + v[2] / 4 - v[3] / 6 + v[4] / 24,
+                        -v[0] / 120 + v[1] / 24 - v[2] / 12 + v[3] / 12 - v[4] / 24 + v[5] / 120};
   };
   const Seconds reference_elapsed = reference_ - epoch;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const double position = times[i].high / node_distance_s;
-    const double cell = std::floor(position);
+  for (std::size_t i = 0; i < times.size();) {
+    const double cell = std::floor(times[i].high / node_distance_s);
     if (cell != nodes.cell) {
       const std::size_t neighbour = i + 1 < times.size() ? i + 1 : i - (i > 0 ? 1 : 0);
       const bool sparse = !(std::abs(times[neighbour].high - times[i].high) < node_distance_s) || times.size() < 6;
@@ -166,21 +209,24 @@ void TimeGrid::elapsed_tt(std::span<const Seconds> times, Instant epoch, std::sp
         const Seconds t = instant(times[i]) - epoch;
         high[i] = t.high;
         low[i] = t.low;
+        ++i;
         continue;
       }
       move_to(cell);
     }
-    // Quintic through the nodes at -2 ... 3 of the cell, by its Lagrange weights.
-    const double x = position - cell;
-    const double a = x + 2.0, b = x + 1.0, c = x, d = x - 1.0, e = x - 2.0, f = x - 3.0;
-    const double ab = a * b, cd = c * d, ef = e * f;
-    const auto& v = nodes.values;
-    const double between =
-        cd * (ef * (a * v[1] / 24.0 - b * v[0] / 120.0) + ab * (e * v[5] / 120.0 - f * v[4] / 24.0)) +
-        ab * ef * (c * v[3] - d * v[2]) / 12.0;
-    const Seconds t = reference_elapsed + times[i] + Seconds{between, 0.0};
-    high[i] = t.high;
-    low[i] = t.low;
+    const double cell_end_s = (cell + 1.0) * node_distance_s;
+    const auto beyond = std::partition_point(times.begin() + static_cast<std::ptrdiff_t>(i) + 1, times.end(),
+                                             [cell_end_s](Seconds t) { return t.high < cell_end_s; });
+    const auto end = static_cast<std::size_t>(beyond - times.begin());
+    const std::array<double, 6> c = nodes.polynomial;
+    const auto at = [&c](double x) { return ((((c[5] * x + c[4]) * x + c[3]) * x + c[2]) * x + c[1]) * x + c[0]; };
+    for (; i < end; ++i) {
+      const double x = times[i].high / node_distance_s - cell;
+      const double between = at(x + at(x) / node_distance_s);  // x, a place in scale_, led to TT
+      const Seconds t = exact_sum(reference_elapsed.high, times[i].high);
+      high[i] = t.high;
+      low[i] = t.low + (reference_elapsed.low + times[i].low + between);
+    }
   }
 }
 

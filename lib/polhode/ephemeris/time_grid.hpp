@@ -57,6 +57,9 @@ class TimeGrid {
   /// Seconds of scale() from the reference for row `index`, moved to the resolution.
   Seconds time(std::size_t index, TimeResolution resolution) const;
 
+  /// The same for rows first, first + 1, … to fill `out`.
+  void times(std::size_t first, TimeResolution resolution, std::span<Seconds> out) const;
+
   /// The instant that time() names.
   Instant instant(Seconds time) const;
 
@@ -64,8 +67,9 @@ class TimeGrid {
   struct ScaleNodes {
     TimeScale scale = TimeScale::tt;
     Instant reference;
-    double cell = std::numeric_limits<double>::quiet_NaN();
-    std::array<double, 6> values{};
+    double cell = std::numeric_limits<double>::quiet_NaN();  // no node yet
+    std::array<double, 6> values{};                          // at nodes cell - 2 … cell + 3
+    std::array<double, 6> polynomial{};                      // through them, in powers of the place in the cell, 0 to 1
   };
 
   /// TT seconds from `epoch` to each of the `times` of this grid (increasing, as time() gives them). Where rows are

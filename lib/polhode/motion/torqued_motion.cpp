@@ -18,7 +18,7 @@ constexpr double kLongestTurn_rad = 6.0;    // of one step: about what the kerne
 constexpr double kSafety = 5.0;             // two runs that differ by rounding tell its size no better
 constexpr double kSafetyOfVariation = 1.5;  // which gains more from run to run
 constexpr int kMostRefinements = 8;
-constexpr double kFewestKicksPerRadian = 10.0;
+constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
 constexpr double kPhaseOfTolerance_rad = 300.0;
@@ -296,7 +296,8 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
       body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
   if (options.method == kAuto) {
     methods = {kVariation, kExtrapolation};
-    if (rounding_rad(phase_rad, kFewestKicksPerRadian * phase_rad) > options.tolerance_rad) methods = {kExtrapolation};
+    if (rounding_rad(phase_rad, kFewestRoundingsPerRadian * phase_rad) > options.tolerance_rad)
+      methods = {kExtrapolation};
   }
   for (const std::string_view name : methods) {
     const bool last = name == methods.back();

@@ -7,7 +7,7 @@
 namespace polhode {
 namespace {
 
-constexpr int kFinest = 16;
+constexpr int kFinest = Variation::kDegree;
 constexpr double kDifference_rad = 5e-5;    // of neighbours: its fourth power and a rounding divided by it are small
 constexpr double kLongestEpoch_rad = 10.0;  // after which the derivatives lose digits
 constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
@@ -15,24 +15,21 @@ constexpr double kLargestDerivative = 30.0;     // of which the fifth power meas
 constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
 constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
+constexpr double kLeft = 0.3;                        // of a window's share of the tolerance, by the iteration
 constexpr double kMostEvaluationsPerRadian = 200.0;  // beyond which splitting is cheaper
 
 /// Point i of the Chebyshev grid of degree n on (-1, 1), ascending.
 double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n); }
 
 /// From values at the points of a Chebyshev grid: values of the polynomial through them, and of its integral from the
-/// first point, at the points of the finest grid; and its last two Chebyshev coefficients (Clenshaw & Curtis, Numer.
-/// Math. 2, 197, 1960).
+/// first point, at the points of the finest grid; and four of its Chebyshev coefficients (Clenshaw & Curtis, Numer.
+/// Math. 2, 197, 1960). Row j is what the value at point j contributes.
 struct Grid {
-  int stride;  // in points of the finest grid
-  Eigen::Matrix<double, kFinest + 1, Eigen::Dynamic, Eigen::RowMajor> interpolation, integral;
-  Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor> last_coefficients;
+  int degree, stride;  // stride in points of the finest grid
+  double interpolation[kFinest + 1][kFinest + 2] = {}, integral[kFinest + 1][kFinest + 2] = {};
+  double coefficients[kFinest + 1][4] = {};  // of degree n/2, n/2 + 1, n - 1, n
 
-  explicit Grid(int n)
-      : stride(kFinest / n),
-        interpolation(kFinest + 1, n + 1),
-        integral(kFinest + 1, n + 1),
-        last_coefficients(2, n + 1) {
+  explicit Grid(int n) : degree(n), stride(kFinest / n) {
     for (int j = 0; j <= n; ++j) {
       // Of the polynomial that is 1 at point j and 0 at the others.
       std::array<double, kFinest + 3> value{}, sum{};
@@ -44,14 +41,12 @@ struct Grid {
         sum[k] = ((k == 1 ? 2.0 : 1.0) * value[k - 1] - value[k + 1]) / (2.0 * k);
         sum[0] += k % 2 == 0 ? -sum[k] : sum[k];
       }
-      last_coefficients(0, j) = value[n - 1];
-      last_coefficients(1, j) = value[n];
+      for (int k = 0; k < 4; ++k) coefficients[j][k] = value[k < 2 ? n / 2 + k : n - 3 + k];
       for (int i = 0; i <= kFinest; ++i) {
         const double angle = std::numbers::pi * (kFinest - i) / kFinest;
-        interpolation(i, j) = integral(i, j) = 0.0;
         for (int k = 0; k <= n + 1; ++k) {
-          interpolation(i, j) += value[k] * std::cos(k * angle);
-          integral(i, j) += sum[k] * std::cos(k * angle);
+          interpolation[j][i] += value[k] * std::cos(k * angle);
+          integral[j][i] += sum[k] * std::cos(k * angle);
         }
       }
     }
@@ -107,19 +102,20 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
 
 /// A time, and what the free motion and its derivatives are there.
 struct Variation::Place {
-  double t_s, since_base_s;
+  double since_base_s;
   Quaternion q;
   Matrix3 rotation;
   Vector3 omega, by_first, by_second;  // inertial
   Matrix3 inverse;                     // of (along, by_first, by_second)
+  Torques::Surroundings<double> surroundings;
 
   struct Deviation {
     Vector3 momentum, angle;
   };
   Deviation deviation(const Epoch& epoch, const Coefficients& y) const {
-    const Vector3 mu = y.head<3>().transpose() / epoch.magnitude;
-    return {y.head<3>().transpose(), epoch.along.cross(mu) + (epoch.along.dot(mu) * since_base_s) * omega +
-                                         y[3] * epoch.along + y[4] * by_first + y[5] * by_second};
+    const Vector3 mu = y.head<3>() / epoch.magnitude;
+    return {y.head<3>(), epoch.along.cross(mu) + (epoch.along.dot(mu) * since_base_s) * omega + y[3] * epoch.along +
+                             y[4] * by_first + y[5] * by_second};
   }
   FreeState state(const Epoch& epoch, const Coefficients& y) const {
     const Deviation d = deviation(epoch, y);
@@ -152,7 +148,6 @@ void Variation::find_places(const Epoch& epoch, std::span<const double> since_ba
   for (std::size_t i = 0; i < count; ++i) {
     Place& p = places[i];
     p.since_base_s = since_base_s[i];
-    p.t_s = epoch.base_s + since_base_s[i];
     p.q = quaternion(q, i);
     p.rotation = p.q.toRotationMatrix();
     p.omega = p.rotation * Vector3(m[3 * i], m[3 * i + 1], m[3 * i + 2]).cwiseProduct(inverse_moments_);
@@ -182,7 +177,7 @@ Variation::Coefficients Variation::rate(const Epoch& epoch, const Place& p, cons
   const Matrix3 rotation = q.toRotationMatrix();
   const Vector3 m = rotation.transpose() * (epoch.momentum + d.momentum);
   const Vector3 omega_body = m.cwiseProduct(inverse_moments_);
-  const TorqueTerms<double> terms = torques_.at(p.t_s, q, moments_);
+  const TorqueTerms<double> terms = torques_.at(p.surroundings, rotation, moments_);
   const Vector3 torque = rotation * terms.torque(omega_body);
   const Vector3 omega = rotation * (omega_body + terms.relaxation * m.cross(omega_body));
   // Exact; of it the linear part in the deviation is what the six solutions obey already.
@@ -193,7 +188,7 @@ Variation::Coefficients Variation::rate(const Epoch& epoch, const Place& p, cons
   const Vector3 rest =
       angle_rate - linear - epoch.along.cross(relative) - (epoch.along.dot(relative) * p.since_base_s) * p.omega;
   Coefficients result;
-  result << torque.transpose(), (p.inverse * rest).transpose();
+  result << torque, p.inverse * rest;
   return result;
 }
 
@@ -204,7 +199,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       inverse_moments_(start.principal_moments.cwiseInverse()),
       start_s_(start_s),
       start_{start.q_inertial_from_body.normalized(), start.momentum_body} {
-  static const Grid coarse(8), fine(kFinest);
+  static const Grid coarse(kFinest / 2), fine(kFinest);
   whole_ = start_s == end_s;
   if (whole_ || !(start.momentum_body.norm() > 0.0)) return;
   const double span_s = std::abs(end_s - start_s);
@@ -237,33 +232,58 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     }
     std::array<Place, kDegree + 1> places;
     find_places(epoch, since_base_s, places.data());
-    Values values = y.replicate<kDegree + 1, 1>(), rates = Values::Zero();
+    for (Place& place : places) place.surroundings = torques_.surroundings(epoch.base_s + place.since_base_s);
+    Values values = y.replicate<1, kDegree + 2>(), rates = Values::Zero();
+    bool first_rate_known = false;
     // Takes the rates at the grid's points anew; returns how far the values moved.
     const auto sweep = [&](const Grid& grid) {
-      const Eigen::Index points = grid.integral.cols();
-      Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor, kDegree + 1, 6> change(points, 6);
-      for (Eigen::Index j = 0; j < points; ++j) {
-        const Eigen::Index i = j * grid.stride;
-        change.row(j) = rate(epoch, places[static_cast<std::size_t>(i)], values.row(i)) - rates.row(i);
+      double change[kDegree + 1][6] = {};
+      for (int j = first_rate_known ? 1 : 0; j <= grid.degree; ++j) {
+        const int i = j * grid.stride;
+        const Coefficients now = rate(epoch, places[static_cast<std::size_t>(i)], values.col(i));
+        for (int k = 0; k < 6; ++k) change[j][k] = now[k] - rates(k, i);
       }
-      const Values moved = half_s * (grid.integral * change);
-      rates += grid.interpolation * change;
+      first_rate_known = true;  // the values there stay
+      Values moved = Values::Zero();
+      for (int k = 0; k < 6; ++k) {
+        double* const to = &moved(k, 0);
+        double* const rate_to = &rates(k, 0);
+        for (int j = 0; j <= grid.degree; ++j) {
+          const double by = half_s * change[j][k];
+          for (int i = 0; i < kDegree + 2; ++i) to[i] += by * grid.integral[j][i];
+        }
+        if (grid.stride == 1) {
+          for (int j = 0; j <= grid.degree; ++j) rate_to[j] += change[j][k];
+        } else {
+          for (int j = 0; j <= grid.degree; ++j) {
+            for (int i = 0; i < kDegree + 2; ++i) rate_to[i] += change[j][k] * grid.interpolation[j][i];
+          }
+        }
+      }
       values += moved;
       double most = 0.0;
-      for (int i = 1; i <= kDegree; ++i) most = std::max(most, size(moved.row(i)));
+      for (int i = 1; i <= kDegree; ++i) most = std::max(most, size(moved.col(i)));
       return most;
     };
     double before = sweep(coarse), moved = sweep(fine);
-    // Interpolation errors beyond degree n integrate to less by n^2.
-    const Eigen::Matrix<double, 2, 6> last = fine.last_coefficients * rates;
-    const double truncation = std::abs(half_s) * std::max(size(last.row(0)), size(last.row(1))) / (kDegree * kDegree);
-    int sweeps = 2;
-    while (moved * std::min(1.0, moved / before) > 0.3 * allowed && sweeps < kMostSweeps && moved < 0.5 * before) {
-      before = moved;
-      moved = sweep(fine);
-      ++sweeps;
+    std::array<Coefficients, 4> spectrum;
+    spectrum.fill(Coefficients::Zero());
+    double largest = 0.0;
+    for (int j = 0; j <= kDegree; ++j) {
+      for (std::size_t k = 0; k < 4; ++k) spectrum[k] += fine.coefficients[j][k] * rates.col(j);
+      largest = std::max(largest, size(rates.col(j)));
     }
-    const bool converged = moved * std::min(1.0, moved / before) <= 0.3 * allowed;
+    // Interpolation errors beyond degree n integrate to less by n^2.
+    const double truncation = std::abs(half_s) * std::max(size(spectrum[2]), size(spectrum[3])) / (kDegree * kDegree);
+    const double missed_by_coarse = 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
+    // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
+    const auto left = [&] { return moved * std::min(1.0, moved / before); };
+    for (int sweeps = 2; left() > kLeft * allowed && sweeps < kMostSweeps && moved < 0.5 * before; ++sweeps) {
+      const bool coarse_will_do = left() * std::max(missed_by_coarse, moved / before) <= kLeft * allowed;
+      before = moved;
+      moved = sweep(coarse_will_do ? coarse : fine);
+    }
+    const bool converged = left() <= kLeft * allowed;
     const bool good = converged && truncation <= allowed;
     double factor = 0.5;
     if (converged && std::isfinite(truncation)) {
@@ -277,7 +297,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     if (!good) continue;
     windows_.push_back({t, to_s - t, epochs_.size() - 1, values});
     t = to_s;
-    y = values.row(kDegree);
+    y = values.col(kDegree);
     const Place& end = places[kDegree];
     const Place::Deviation d = end.deviation(epoch, y);
     if (d.angle.norm() > kLargestDeviation_rad || std::abs(end.since_base_s) * rate_rad_s > kLongestEpoch_rad ||
@@ -304,12 +324,12 @@ FreeState Variation::at(double t_high_s, double t_low_s) const {
   for (int i = 0; i <= kDegree; ++i) {
     const double away = x - chebyshev_point(i, kDegree);
     if (away == 0.0) {
-      sum = window.coefficients.row(i);
+      sum = window.coefficients.col(i);
       weights = 1.0;
       break;
     }
     const double weight = (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == kDegree ? 0.5 : 1.0) / away;
-    sum += weight * window.coefficients.row(i);
+    sum += weight * window.coefficients.col(i);
     weights += weight;
   }
   const Epoch& epoch = epochs_[window.epoch];

@@ -24,6 +24,8 @@ namespace polhode {
 /// and gains a factor of the size of the torque. The polynomials answer at any time of the window.
 class Variation {
  public:
+  static constexpr int kDegree = 24;  ///< of the polynomials
+
   /// From `start` at start_s to end_s, either direction. `tolerance` is the wanted error of the six coefficients at the
   /// end, in radians, or relative to the momentum; a window may take the root of its part of the span, since errors of
   /// windows hardly add up. `torques` must not jump in between.
@@ -42,10 +44,10 @@ class Variation {
   double window_end_s(std::size_t i) const { return windows_[i].first_s + windows_[i].length_s; }
 
  private:
-  static constexpr int kDegree = 16;
   /// Momentum deviation (3, inertial), and the coefficients of Place::along, by_first, by_second.
-  using Coefficients = Eigen::Matrix<double, 1, 6>;
-  using Values = Eigen::Matrix<double, kDegree + 1, 6, Eigen::RowMajor>;  // at a window's points, in order of time
+  using Coefficients = Eigen::Matrix<double, 6, 1>;
+  /// Coefficient by point of a window, in order of time; one more than there are, for even vectors.
+  using Values = Eigen::Matrix<double, 6, kDegree + 2, Eigen::RowMajor>;
 
   /// One free motion, and neighbours that give its derivatives by the initial attitude.
   struct Epoch {

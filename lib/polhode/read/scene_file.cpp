@@ -212,6 +212,9 @@ Scene read_scene(const std::string& path) {
   std::vector<Torque> torques;
   for (const TomlTable& table : root.tables("torque")) {
     torques.push_back(read_torque(table, scene.body, orbits, folder));
+    std::string name(torque_name(torques.back()));
+    if (table.has("orbit")) name += ", " + table.text("orbit");
+    scene.torque_names.push_back(std::move(name));
   }
   scene.torques = Torques(std::move(torques));
   return scene;

@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "polhode/body/body.hpp"
 #include "polhode/torque/torques.hpp"
@@ -15,6 +16,7 @@ struct Scene {
   Body body;
   Frame frame = Frame::icrf;                 ///< inertial; of the directions of orbits and torques, and of the result
   Torques torques;                           ///< in the principal axes; seconds from the body's epoch
+  std::vector<std::string> torque_names;     ///< of each, its orbit's name included: "gravity gradient, earth"
   double first_s = 0.0, last_s = 0.0;        ///< from the body's epoch
   double accuracy_rad = 0.0;                 ///< wanted of the attitude
   std::optional<double> period_uncertainty;  ///< as a part of the period

@@ -13,14 +13,14 @@ namespace polhode {
 /// magnetic tensor, is in S m^4 = N m s / T^2: it is a conductivity times a length to the fifth.
 struct EddyCurrents {
   Matrix3 magnetic_tensor_s_m4;  ///< symmetric, principal axes
-  Vector3 dipole_axis;           ///< unit, inertial, towards the south magnetic pole of a planet like Earth reversed
-  double dipole_t_m3;            ///< field on the dipole's equator times the distance cubed; Earth 7.8e15
-  Trajectory trajectory;         ///< of the body, from the dipole
+  Vector3 dipole_axis;    ///< unit, inertial, along the magnetic moment: southward for the Earth, since the field
+                          ///< at its equator points north
+  double dipole_t_m3;     ///< field on the dipole's equator times the distance cubed; Earth 7.8e15
+  Trajectory trajectory;  ///< of the body, from the dipole
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
-    const OrbitState<Real> orbit = trajectory.state(place.t_s);
-    const Vector3Of<Real>&r = orbit.position_m, &v = orbit.velocity_m_s;
+    const Vector3Of<Real>&r = place.orbit->position_m, &v = place.orbit->velocity_m_s;
     const Vector3Of<Real> a = dipole_axis.cast<Real>();
     using std::sqrt;
     const Real r2 = r.squaredNorm(), strength = Real(dipole_t_m3) / (r2 * sqrt(r2)), ar = a.dot(r) / r2;

@@ -17,7 +17,7 @@ struct GravityGradient {
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>& I, TorqueTerms<Real>& terms) const {
-    const Vector3Of<Real> r = trajectory.state(place.t_s).position_m;
+    const Vector3Of<Real>& r = place.orbit->position_m;
     const Vector3Of<Real> x = place.to_body(r);
     using std::sqrt;
     const Real r2 = r.squaredNorm(), strength = 3 * Real(mu_m3_s2) / (r2 * r2 * sqrt(r2));

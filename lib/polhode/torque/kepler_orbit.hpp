@@ -15,12 +15,6 @@ struct KeplerElements {
                                             ///< normal x periapsis at periapsis
 };
 
-/// A place and how it moves, inertial axes.
-template <class Real>
-struct OrbitState {
-  Vector3Of<Real> position_m, velocity_m_s;
-};
-
 /// Motion on a Kepler orbit, by universal functions from periapsis (Battin 1999, section 4.5): with alpha = (1 - e)/q
 /// and U_k(chi) the time equation sqrt(mu) (t - tp) = q U1 + U3 and the radius r = q + e U2 are sums of positive terms
 /// for every eccentricity, so that nothing is lost at or near e = 1. The equation is solved to the last digits of Real

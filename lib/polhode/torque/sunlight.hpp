@@ -28,8 +28,7 @@ class Sunlight {
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
-    const Vector3 r = trajectory.state(static_cast<double>(place.t_s)).position_m;
-    const Vector3 sun = -(place.inertial_from_body.template cast<double>().transpose() * r);
+    const Vector3 sun = -place.to_body(place.orbit->position_m).template cast<double>();
     terms.constant += torque(sun).cast<Real>();
   }
 

@@ -29,11 +29,18 @@ struct TorqueTerms {
   }
 };
 
-/// Where a torque is asked for: seconds on the body's clock, and the rotation v_inertial = R v_body.
+/// A place and how it moves, inertial axes.
+template <class Real>
+struct OrbitState {
+  Vector3Of<Real> position_m, velocity_m_s;
+};
+
+/// Where a torque is asked for: the rotation v_inertial = R v_body, and the body's place on the torque's trajectory
+/// (null for one that has none).
 template <class Real>
 struct TorquePlace {
-  Real t_s;
   Matrix3Of<Real> inertial_from_body;
+  const OrbitState<Real>* orbit = nullptr;
 
   Vector3Of<Real> to_body(const Vector3Of<Real>& v_inertial) const {
     return inertial_from_body.transpose() * v_inertial;

@@ -1,8 +1,12 @@
 #include "polhode/torque/torques.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <limits>
+
+#include "polhode/base/error.hpp"
 
 namespace polhode {
 
@@ -13,17 +17,29 @@ std::string_view torque_name(const Torque& torque) {
   return names[torque.index()];
 }
 
-double Torques::time_scale_s(double t_s) const {
-  double scale_s = std::numeric_limits<double>::infinity();
-  for (const Torque& torque : torques_) {
+Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), orbit_of_torque_(torques_.size(), 0) {
+  for (std::size_t i = 0; i < torques_.size(); ++i) {
     std::visit(
         [&](const auto& one) {
           if constexpr (requires { one.trajectory; }) {
-            const OrbitState<double> orbit = one.trajectory.state(t_s);
-            scale_s = std::min(scale_s, orbit.position_m.norm() / orbit.velocity_m_s.norm());
+            const auto known = std::find(trajectories_.begin(), trajectories_.end(), one.trajectory);
+            orbit_of_torque_[i] = static_cast<std::size_t>(known - trajectories_.begin());
+            if (known == trajectories_.end()) trajectories_.push_back(one.trajectory);
           }
         },
-        torque);
+        torques_[i]);
+  }
+  if (trajectories_.size() > kMostTrajectories) {
+    throw InputError(fmt::format("the torques have {} different trajectories, at most {} are allowed",
+                                 trajectories_.size(), kMostTrajectories));
+  }
+}
+
+double Torques::time_scale_s(double t_s) const {
+  double scale_s = std::numeric_limits<double>::infinity();
+  for (const Trajectory& trajectory : trajectories_) {
+    const OrbitState<double> orbit = trajectory.state(t_s);
+    scale_s = std::min(scale_s, orbit.position_m.norm() / orbit.velocity_m_s.norm());
   }
   return scale_s;
 }
@@ -35,15 +51,11 @@ std::vector<double> Torques::jumps_s() const {
       times_s.push_back(pulse->start_s);
       times_s.push_back(pulse->end_s());
     }
-    std::visit(
-        [&](const auto& one) {
-          if constexpr (requires { one.trajectory; }) {
-            if (one.trajectory.table() == nullptr) return;
-            const std::vector<double> seams_s = one.trajectory.table()->seams_s();
-            times_s.insert(times_s.end(), seams_s.begin(), seams_s.end());
-          }
-        },
-        torque);
+  }
+  for (const Trajectory& trajectory : trajectories_) {
+    if (trajectory.table() == nullptr) continue;
+    const std::vector<double> seams_s = trajectory.table()->seams_s();
+    times_s.insert(times_s.end(), seams_s.begin(), seams_s.end());
   }
   std::sort(times_s.begin(), times_s.end());
   times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <string_view>
 #include <variant>
 #include <vector>
@@ -24,22 +26,41 @@ std::string_view torque_name(const Torque& torque);
 class Torques {
  public:
   Torques() = default;
-  explicit Torques(std::vector<Torque> torques) : torques_(std::move(torques)) {}
+  /// Throws InputError for more than kMostTrajectories different ones.
+  explicit Torques(std::vector<Torque> torques);
 
-  /// The sum at time t and attitude q (unit; v_inertial = q v_body q*), for a body of these principal moments. Thruster
-  /// pulses are left out: see during().
+  /// Whatever the attitude: the body's place on each trajectory at one time (seconds on the body's clock).
+  static constexpr std::size_t kMostTrajectories = 8;
   template <class Real>
-  TorqueTerms<Real> at(Real t_s, const Eigen::Quaternion<Real>& q, const Vector3Of<Real>& moments) const {
-    const TorquePlace<Real> place{t_s, q.toRotationMatrix()};
+  using Surroundings = std::array<OrbitState<Real>, kMostTrajectories>;
+  template <class Real>
+  Surroundings<Real> surroundings(Real t_s) const {
+    Surroundings<Real> orbits;
+    for (std::size_t i = 0; i < trajectories_.size(); ++i) orbits[i] = trajectories_[i].state(t_s);
+    return orbits;
+  }
+
+  /// The sum in these surroundings at an attitude (v_inertial = R v_body), for a body of these principal moments.
+  /// Thruster pulses are left out: see during().
+  template <class Real>
+  TorqueTerms<Real> at(const Surroundings<Real>& surroundings, const Matrix3Of<Real>& inertial_from_body,
+                       const Vector3Of<Real>& moments) const {
+    TorquePlace<Real> place{inertial_from_body};
     TorqueTerms<Real> terms;
-    for (const Torque& torque : torques_) {
+    for (std::size_t i = 0; i < torques_.size(); ++i) {
+      place.orbit = &surroundings[orbit_of_torque_[i]];
       std::visit(
           [&](const auto& one) {
             if constexpr (!std::is_same_v<std::decay_t<decltype(one)>, ThrusterPulse>) one.add(place, moments, terms);
           },
-          torque);
+          torques_[i]);
     }
     return terms;
+  }
+  /// The same at time t and attitude q (unit; v_inertial = q v_body q*).
+  template <class Real>
+  TorqueTerms<Real> at(Real t_s, const Eigen::Quaternion<Real>& q, const Vector3Of<Real>& moments) const {
+    return at(surroundings(t_s), Matrix3Of<Real>(q.toRotationMatrix()), moments);
   }
 
   /// How fast the surroundings change at time t: the least r/v of the trajectories, infinite without one. A step that
@@ -57,6 +78,8 @@ class Torques {
 
  private:
   std::vector<Torque> torques_;
+  std::vector<Trajectory> trajectories_;      // different ones
+  std::vector<std::size_t> orbit_of_torque_;  // 0 for a torque without one
 };
 
 }  // namespace polhode

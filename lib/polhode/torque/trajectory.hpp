@@ -60,6 +60,8 @@ class Trajectory {
   OrbitState<Real> state(Real t_s) const {
     return std::visit([t_s](const auto& orbit) { return orbit->state(t_s); }, orbit_);
   }
+  /// The same orbit, not only one like it.
+  bool operator==(const Trajectory&) const = default;
   /// Null for a Kepler orbit.
   const TabulatedOrbit* table() const {
     const auto* table = std::get_if<1>(&orbit_);

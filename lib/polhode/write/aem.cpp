@@ -232,8 +232,8 @@ class Writer {
       key("INTERPOLATION_DEGREE", std::to_string(options_.interpolation_degree));
     }
     bytes_.write(options_.xml ? "</metadata>\n<data>\n" : "META_STOP\n\nDATA_START\n");
-    const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
-      DateText dates(times, decimals);
+    const auto encode = [&](DateText& dates, const AttitudeBlock& block, EncodedBlock& out) {
+      out.bytes.clear();
       std::array<double, 8> numbers{};
       for (std::size_t row = 0; row < block.rows; ++row) {
         row_numbers(options_, block, row, numbers.data());
@@ -241,7 +241,12 @@ class Writer {
                      : kvn_row(out.bytes, dates, block.time[row], numbers);
       }
     };
-    stream_rows(ephemeris, resolution, encode, [&](const EncodedBlock& block) {
+    const auto new_encoder = [&]() -> Encoder {
+      return [&encode, dates = DateText(times, decimals)](const AttitudeBlock& block, EncodedBlock& out) mutable {
+        encode(dates, block, out);
+      };
+    };
+    stream_rows(ephemeris, resolution, new_encoder, [&](const EncodedBlock& block) {
       bytes_.write(block.bytes);
       rows_ += block.rows;
       if (progress_) progress_(rows_);
@@ -269,10 +274,7 @@ class Writer {
 
   void kvn_row(std::string& out, DateText& dates, Seconds time, const std::array<double, 8>& numbers) const {
     dates.append(out, time);
-    for (std::size_t k = 0; k < form_.numbers; ++k) {
-      out.push_back(' ');
-      append_number(out, numbers[k]);
-    }
+    for (std::size_t k = 0; k < form_.numbers; ++k) append_number(out, ' ', numbers[k]);
     out.push_back('\n');
   }
 
@@ -296,8 +298,8 @@ class Writer {
         group = wanted;
         if (!group.empty()) tag("<", group);
       }
-      tag("<", field.element);
-      append_number(out, numbers[k]);
+      out.append("<").append(field.element);
+      append_number(out, '>', numbers[k]);
       tag("</", field.element);
     }
     if (!group.empty()) tag("</", group);

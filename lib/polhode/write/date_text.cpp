@@ -24,14 +24,17 @@ std::string next_day(std::string_view date) {
   return fmt::format("{:04}-{:02}-{:02}", int(next.year()), unsigned(next.month()), unsigned(next.day()));
 }
 
-void append_two(std::string& out, std::int64_t value) {
-  out.push_back(static_cast<char>('0' + value / 10));
-  out.push_back(static_cast<char>('0' + value % 10));
+/// The last `digits` decimal digits of a number, at `to`; the place behind them.
+char* put_digits(char* to, std::uint64_t value, int digits) {
+  for (char* at = to + digits; at-- > to; value /= 10) *at = static_cast<char>('0' + value % 10);
+  return to + digits;
 }
 
 }  // namespace
 
-DateText::DateText(const TimeGrid& grid, int decimals) : grid_(grid), decimals_(decimals) {}
+DateText::DateText(const TimeGrid& grid, int decimals) : grid_(grid), decimals_(decimals) {
+  for (int i = 0; i < decimals_; ++i) ticks_per_s_ *= 10.0;
+}
 
 void DateText::begin_day(std::int64_t second) {
   const std::string now =
@@ -53,18 +56,16 @@ void DateText::begin_day(std::int64_t second) {
 }
 
 void DateText::append(std::string& out, Seconds time) {
-  double unit = 1.0;
-  for (int i = 0; i < decimals_; ++i) unit *= 10.0;
-  double whole = std::floor(time.high);
-  double ticks = std::nearbyint(((time.high - whole) + time.low) * unit);
+  auto second = static_cast<std::int64_t>(time.high);  // whole seconds, downwards
+  if (static_cast<double>(second) > time.high) --second;
+  double ticks = std::nearbyint(((time.high - static_cast<double>(second)) + time.low) * ticks_per_s_);
   if (ticks < 0.0) {
-    whole -= 1.0;
-    ticks += unit;
-  } else if (ticks >= unit) {
-    whole += 1.0;
-    ticks -= unit;
+    second -= 1;
+    ticks += ticks_per_s_;
+  } else if (ticks >= ticks_per_s_) {
+    second += 1;
+    ticks -= ticks_per_s_;
   }
-  const auto second = static_cast<std::int64_t>(whole);
   if (second < day_begin_s_ || second >= day_end_s_) {
     begin_day(second);
     if (second < day_begin_s_ || second >= day_end_s_) {
@@ -75,20 +76,18 @@ void DateText::append(std::string& out, Seconds time) {
   constexpr std::int64_t last_second_of_a_plain_day = 86399;
   const std::int64_t of_day = second - day_begin_s_;
   const std::int64_t leap = of_day > last_second_of_a_plain_day ? of_day - last_second_of_a_plain_day : 0;
-  const std::int64_t plain = of_day - leap;
-  out += day_;
-  append_two(out, plain / 3600);
-  out.push_back(':');
-  append_two(out, plain / 60 % 60);
-  out.push_back(':');
-  append_two(out, plain % 60 + leap);
+  const auto plain = static_cast<std::uint64_t>(of_day - leap);
+  char text[32];
+  char* at = put_digits(text, plain / 3600, 2);
+  *at++ = ':';
+  at = put_digits(at, plain / 60 % 60, 2);
+  *at++ = ':';
+  at = put_digits(at, plain % 60 + static_cast<std::uint64_t>(leap), 2);
   if (decimals_ > 0) {
-    out.push_back('.');
-    const std::size_t begin = out.size();
-    out.append(static_cast<std::size_t>(decimals_), '0');
-    auto rest = static_cast<std::int64_t>(ticks);
-    for (std::size_t at = out.size(); at-- > begin; rest /= 10) out[at] = static_cast<char>('0' + rest % 10);
+    *at++ = '.';
+    at = put_digits(at, static_cast<std::uint64_t>(ticks), decimals_);
   }
+  out.append(day_).append(text, at);
 }
 
 }  // namespace polhode

@@ -23,6 +23,7 @@ class DateText {
 
   const TimeGrid& grid_;
   int decimals_;
+  double ticks_per_s_ = 1.0;
   std::int64_t day_begin_s_ = 0;  // from the reference; the day holds day_begin_s_ <= second < day_end_s_
   std::int64_t day_end_s_ = 0;
   std::string day_;  // "YYYY-MM-DDT"

@@ -2,7 +2,9 @@
 
 #include <fitsio.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstdint>
@@ -49,7 +51,7 @@ class Fits {
     fits_clear_errmsg();
   }
 
-  operator fitsfile*() { return file_; }
+  fitsfile* handle() { return file_; }
 
   /// Throws FileError if `status` is a cfitsio error, with the system's reason where there is one.
   void check(int status) const {
@@ -127,10 +129,10 @@ class Fits {
   fitsfile* file_ = nullptr;
 };
 
-/// The bytes of a table row in file order, and the sum of its 32-bit words.
+/// Puts numbers in file order one after the other, and sums their 32-bit words.
 class Packer {
  public:
-  explicit Packer(EncodedBlock& block) : block_(block) {}
+  explicit Packer(char* to) : at_(to) {}
   void put(double value) {
     const auto bits = std::bit_cast<std::uint64_t>(value);
     sum_ += (bits >> 32) + (bits & 0xffffffffU);
@@ -139,15 +141,10 @@ class Packer {
     std::memcpy(at_, &swapped, sizeof swapped);
     at_ += sizeof swapped;
   }
-  void begin(std::size_t bytes) {
-    block_.bytes.resize(bytes);
-    at_ = block_.bytes.data();
-  }
-  void end() { block_.word_sum = sum_; }
+  std::uint64_t sum() const { return sum_; }
 
  private:
-  EncodedBlock& block_;
-  char* at_ = nullptr;
+  char* at_;
   std::uint64_t sum_ = 0;
 };
 
@@ -193,77 +190,92 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
       "along inertial y. Its sign is continuous from row to row. OMEGA has components in frame B.");
 }
 
+/// cfitsio compresses a file from memory when it closes it.
+void refuse_beyond_memory(const std::string& path, std::size_t rows, std::size_t row_bytes) {
+  const double wanted = static_cast<double>(rows) * static_cast<double>(row_bytes);
+  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
+  constexpr double most = 2e9;
+  const double allowed = std::min(most, 0.5 * memory);
+  if (wanted > allowed) {
+    throw InputError(
+        fmt::format("{}: {} rows are {:.2f} GB, all held in memory until they are compressed; at most {:.2f} GB here. "
+                    "Write .fits, which takes any length, and compress that",
+                    path, rows, wanted * 1e-9, allowed * 1e-9));
+  }
+}
+
 }  // namespace
 
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
                 const Progress& progress) {
   OutputFile output(path);
+  const std::size_t doubles_per_row = 8 + (options.momentum ? 3 : 0) + (options.time_low ? 1 : 0);
+  const std::size_t row_bytes = doubles_per_row * sizeof(double);
+  if (path.ends_with(".gz")) refuse_beyond_memory(path, ephemeris.times().size(), row_bytes);
   Fits fits(output);
   int status = 0;
-  fits_create_img(fits, BYTE_IMG, 0, nullptr, &status);
+  fits_create_img(fits.handle(), BYTE_IMG, 0, nullptr, &status);
   fits.check(status);
   fits.checksums(0);
 
-  std::vector<const char*> names{"TIME", "QPARAM", "OMEGA"};
-  std::vector<const char*> forms{"1D", "4D", "3D"};
-  std::vector<const char*> units{"s", "", "rad/s"};
-  std::size_t doubles_per_row = 8;
+  std::vector<std::string> names{"TIME", "QPARAM", "OMEGA"};
+  std::vector<std::string> forms{"1D", "4D", "3D"};
+  std::vector<std::string> units{"s", "", "rad/s"};
   if (options.momentum) {
     names.push_back("L");
     forms.push_back("3D");
     units.push_back(ephemeris.inertia().absolute ? "N m s" : "");
-    doubles_per_row += 3;
   }
   if (options.time_low) {
     names.push_back("TIME_LO");
     forms.push_back("1D");
     units.push_back("s");
-    doubles_per_row += 1;
   }
-  const auto mutable_pointers = [](const std::vector<const char*>& texts) {  // cfitsio's signature; it changes nothing
-    std::vector<char*> pointers;
-    for (const char* text : texts) pointers.push_back(const_cast<char*>(text));
-    return pointers;
+  const auto pointers = [](std::vector<std::string>& texts) {
+    std::vector<char*> out(texts.size());
+    std::transform(texts.begin(), texts.end(), out.begin(), [](std::string& text) { return text.data(); });
+    return out;
   };
   // No rows yet: they are appended. A table that knew its length would be filled with zeros when we stop early.
-  fits_create_tbl(fits, BINARY_TBL, 0, static_cast<int>(names.size()), mutable_pointers(names).data(),
-                  mutable_pointers(forms).data(), mutable_pointers(units).data(), "ATTITUDE", &status);
+  fits_create_tbl(fits.handle(), BINARY_TBL, 0, static_cast<int>(names.size()), pointers(names).data(),
+                  pointers(forms).data(), pointers(units).data(), "ATTITUDE", &status);
   fits.check(status);
   const TimeResolution resolution{options.time_low ? TimeResolution::Kind::two_doubles
                                                    : TimeResolution::Kind::one_double};
   write_keywords(fits, ephemeris, resolution);
 
-  const std::size_t row_bytes = doubles_per_row * sizeof(double);
-  const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
-    Packer packer(out);
-    packer.begin(block.rows * row_bytes);
-    for (std::size_t i = 0; i < block.rows; ++i) {
-      const double* q = &block.q_frame_from_named[4 * i];
+  const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
+    out.bytes.resize(block.rows * row_bytes);
+    Packer packer(out.bytes.data());
+    const double* q = block.q_frame_from_named.data();
+    const double* omega = block.omega_named_rad_s.data();
+    for (std::size_t i = 0; i < block.rows; ++i, q += 4, omega += 3) {
       packer.put(block.time[i].high);
       for (const int k : {1, 2, 3, 0}) packer.put(q[k]);
-      for (std::size_t k = 0; k < 3; ++k) packer.put(block.omega_named_rad_s[3 * i + k]);
+      for (int k = 0; k < 3; ++k) packer.put(omega[k]);
       if (options.momentum) {
         for (std::size_t k = 0; k < 3; ++k) packer.put(block.momentum_named[3 * i + k]);
       }
       if (options.time_low) packer.put(block.time[i].low);
     }
-    packer.end();
+    out.word_sum = packer.sum();
   };
   LONGLONG written = 0;
   std::uint64_t data_sum = 0;
-  const auto consume = [&](const EncodedBlock& block) {
+  const auto consume = [&](EncodedBlock& block) {
     errno = 0;
-    auto* bytes = reinterpret_cast<unsigned char*>(const_cast<char*>(block.bytes.data()));
-    fits_write_tblbytes(fits, written + 1, 1, static_cast<LONGLONG>(block.bytes.size()), bytes, &status);
+    auto* bytes = reinterpret_cast<unsigned char*>(block.bytes.data());
+    fits_write_tblbytes(fits.handle(), written + 1, 1, static_cast<LONGLONG>(block.bytes.size()), bytes, &status);
     fits.check(status);
     data_sum = fold(data_sum + fold(block.word_sum));
     written += static_cast<LONGLONG>(block.rows);
     if (progress) progress(static_cast<std::size_t>(written));
   };
-  stream_rows(ephemeris, resolution, encode, consume);
+  stream_rows(
+      ephemeris, resolution, [&] { return encode; }, consume);
 
   errno = 0;
-  fits_flush_file(fits, &status);  // notes the count of rows in the header
+  fits_flush_file(fits.handle(), &status);  // notes the count of rows in the header
   fits.check(status);
   fits.checksums(data_sum);
   fits.close();

@@ -5,11 +5,11 @@
 
 namespace polhode {
 
-/// The shortest decimal text that reads back as the same double, to the end of `out`.
-inline void append_number(std::string& out, double value) {
+/// A separator and the shortest decimal text that reads back as the same double, to the end of `out`.
+inline void append_number(std::string& out, char separator, double value) {
   char text[32];
-  const auto end = std::to_chars(text, text + sizeof text, value).ptr;
-  out.append(text, end);
+  text[0] = separator;
+  out.append(text, std::to_chars(text + 1, text + sizeof text, value).ptr);
 }
 
 }  // namespace polhode

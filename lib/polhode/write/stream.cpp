@@ -4,112 +4,77 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
 namespace polhode {
 namespace {
 
-constexpr std::size_t rows_per_block = 4096;
-
-/// A place in the ring of blocks under way: free, or holding block `number`, encoded.
-struct Slot {
-  EncodedBlock block;
-  std::size_t number = 0;
-  bool full = false;
-};
+constexpr std::size_t rows_per_block = 4096;  // a block and its text stay in a core's cache
 
 }  // namespace
 
-void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
-                 const std::function<void(std::size_t, const AttitudeBlock&, EncodedBlock&)>& encode,
-                 const std::function<void(const EncodedBlock&)>& consume) {
+void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution, const std::function<Encoder()>& new_encoder,
+                 const std::function<void(EncodedBlock&)>& consume) {
   const std::size_t rows = ephemeris.times().size();
   const std::size_t blocks = (rows + rows_per_block - 1) / rows_per_block;
-  const auto make = [&](std::size_t number, AttitudeBlock& scratch, EncodedBlock& out) {
-    const std::size_t first = number * rows_per_block;
-    const std::size_t count = std::min(rows_per_block, rows - first);
-    ephemeris.fill(first, count, resolution, scratch);
-    out.bytes.clear();
-    out.word_sum = 0;
-    out.rows = count;
-    encode(first, scratch, out);
-  };
-  if (blocks <= 4) {  // not worth a thread
-    AttitudeBlock scratch;
-    EncodedBlock out;
-    for (std::size_t number = 0; number < blocks; ++number) {
-      make(number, scratch, out);
-      consume(out);
-    }
-    return;
-  }
-
-  const std::size_t threads = std::clamp<std::size_t>(std::thread::hardware_concurrency(), 1, 16);
-  std::vector<Slot> ring(2 * threads + 2);
   std::mutex mutex;
   std::condition_variable changed;
-  std::size_t next = 0;      // block that the next free worker takes
-  std::size_t consumed = 0;  // blocks handed on
+  std::size_t next = 0;  // block that the next free thread makes
+  std::size_t turn = 0;  // block that is to be consumed next, by the thread that has made it
   bool stop = false;
   std::exception_ptr failure;
 
   const auto work = [&] {
-    try {
-      AttitudeBlock scratch;
-      for (;;) {
-        std::unique_lock lock(mutex);
-        changed.wait(lock, [&] { return stop || next == blocks || next < consumed + ring.size(); });
-        if (stop || next == blocks) return;
-        const std::size_t number = next++;
-        Slot& slot = ring[number % ring.size()];  // free: block number - ring.size() is consumed
-        lock.unlock();
-        make(number, scratch, slot.block);
-        lock.lock();
-        slot.number = number;
-        slot.full = true;
-        lock.unlock();
-        changed.notify_all();
+    AttitudeBlock scratch;
+    EncodedBlock block;
+    const Encoder encode = new_encoder();
+    for (;;) {
+      std::unique_lock lock(mutex);
+      if (stop || next == blocks) return;
+      const std::size_t number = next++;
+      lock.unlock();
+      std::exception_ptr fault;
+      try {
+        const std::size_t first = number * rows_per_block;
+        ephemeris.fill(first, std::min(rows_per_block, rows - first), resolution, scratch);
+        encode(scratch, block);
+        block.rows = scratch.rows;
+      } catch (...) {
+        fault = std::current_exception();
       }
-    } catch (...) {
-      const std::lock_guard lock(mutex);
-      if (!failure) failure = std::current_exception();
-      stop = true;
+      lock.lock();
+      changed.wait(lock, [&] { return stop || turn == number; });
+      if (stop) return;
+      lock.unlock();
+      if (!fault) {
+        try {
+          consume(block);
+        } catch (...) {
+          fault = std::current_exception();
+        }
+      }
+      lock.lock();
+      ++turn;
+      if (fault) {
+        failure = fault;
+        stop = true;
+      }
+      lock.unlock();
       changed.notify_all();
     }
   };
 
-  std::vector<std::jthread> workers;
-  const auto finish = [&] {
-    {
-      const std::lock_guard lock(mutex);
-      stop = true;
+  {
+    std::vector<std::jthread> others;
+    const std::size_t threads = std::min<std::size_t>({blocks, std::thread::hardware_concurrency(), 16});
+    try {
+      for (std::size_t i = 1; i < threads; ++i) others.emplace_back(work);
+    } catch (const std::system_error&) {  // fewer threads do it too
     }
-    changed.notify_all();
-    workers.clear();  // joins
-  };
-  try {
-    for (std::size_t i = 0; i < threads; ++i) workers.emplace_back(work);
-    for (std::size_t number = 0; number < blocks; ++number) {
-      Slot& slot = ring[number % ring.size()];
-      {
-        std::unique_lock lock(mutex);
-        changed.wait(lock, [&] { return failure || (slot.full && slot.number == number); });
-        if (failure) break;
-      }
-      consume(slot.block);
-      {
-        const std::lock_guard lock(mutex);
-        slot.full = false;
-        consumed = number + 1;
-      }
-      changed.notify_all();
-    }
-  } catch (...) {
-    finish();
-    throw;
+    work();
   }
-  finish();
   if (failure) std::rethrow_exception(failure);
 }
 

@@ -9,7 +9,7 @@
 
 namespace polhode {
 
-/// Called on the writing thread after each block with the count of rows written so far. It may throw to stop: the
+/// Called after each block with the count of rows written so far, by one thread at a time. It may throw to stop: the
 /// output file is then removed.
 using Progress = std::function<void(std::size_t rows_written)>;
 
@@ -20,11 +20,13 @@ struct EncodedBlock {
   std::size_t rows = 0;
 };
 
-/// Computes and encodes the rows of an ephemeris block by block on all cores, and hands them to `consume` in order on
-/// the calling thread. Memory does not depend on the count of rows. An exception on any thread stops all and is
-/// rethrown.
-void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution,
-                 const std::function<void(std::size_t first_row, const AttitudeBlock&, EncodedBlock&)>& encode,
-                 const std::function<void(const EncodedBlock&)>& consume);
+/// Makes the bytes of a block of rows. It finds in `out` what an earlier block left there.
+using Encoder = std::function<void(const AttitudeBlock& rows, EncodedBlock& out)>;
+
+/// Computes and encodes the rows of an ephemeris block by block on all cores, each thread with an encoder of its own,
+/// and hands the blocks to `consume` in order, one at a time, on whichever thread made them. Memory does not depend on
+/// the count of rows. An exception on any thread stops all and is rethrown: that of the first block which has one.
+void stream_rows(const Ephemeris& ephemeris, TimeResolution resolution, const std::function<Encoder()>& new_encoder,
+                 const std::function<void(EncodedBlock&)>& consume);
 
 }  // namespace polhode

@@ -96,12 +96,9 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
   OutputBytes bytes(path);
   bytes.write(header + "\n");
 
-  const auto encode = [&](std::size_t, const AttitudeBlock& block, EncodedBlock& out) {
-    DateText dates(times, decimals);
-    const auto put = [&out](double value) {
-      out.bytes.push_back(',');
-      append_number(out.bytes, value);
-    };
+  const auto encode = [&](DateText& dates, const AttitudeBlock& block, EncodedBlock& out) {
+    out.bytes.clear();
+    const auto put = [&out](double value) { append_number(out.bytes, ',', value); };
     for (std::size_t row = 0; row < block.rows; ++row) {
       dates.append(out.bytes, block.time[row]);
       for (const std::size_t k : {1, 2, 3, 0}) put(block.q_frame_from_named[4 * row + k]);
@@ -112,8 +109,13 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
       out.bytes.push_back('\n');
     }
   };
+  const auto new_encoder = [&]() -> Encoder {
+    return [&encode, dates = DateText(times, decimals)](const AttitudeBlock& block, EncodedBlock& out) mutable {
+      encode(dates, block, out);
+    };
+  };
   std::size_t rows = 0;
-  stream_rows(ephemeris, {TimeResolution::Kind::decimals, decimals}, encode, [&](const EncodedBlock& block) {
+  stream_rows(ephemeris, {TimeResolution::Kind::decimals, decimals}, new_encoder, [&](const EncodedBlock& block) {
     bytes.write(block.bytes);
     rows += block.rows;
     if (progress) progress(rows);

@@ -215,10 +215,13 @@ Frame frame_of(const Input& in, const Canonical<Real>& c, int momentum_exponent,
   const Quaternion4<Real> s{state_at_0.w / root, state_at_0.x / root, state_at_0.y / root, state_at_0.z / root};
   const Quaternion4<Real> r = initial_attitude<Real>(in) * (s * cc).conjugate();
   Frame frame;
+  const Quaternion4<Real> r_times_unit[4] = {// r, r i, r j, r k
+                                             r,
+                                             {-r.x, r.w, r.z, -r.y},
+                                             {-r.y, -r.z, r.w, r.x},
+                                             {-r.z, r.y, -r.x, r.w}};
   for (int column = 0; column < 4; ++column) {
-    const Quaternion4<Real> unit{column == 0 ? 1.0 : 0.0, column == 1 ? 1.0 : 0.0, column == 2 ? 1.0 : 0.0,
-                                 column == 3 ? 1.0 : 0.0};
-    const Quaternion4<Real> q = r * unit * cc;
+    const Quaternion4<Real> q = r_times_unit[column] * cc;
     const Real entries[4] = {q.w, q.x, q.y, q.z};
     for (int row = 0; row < 4; ++row) frame.frame[column][row] = nearest(entries[row]);
   }
@@ -350,8 +353,8 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
     for (int k = n; k <= kMaxDegree; ++k) {
       const double u_previous = k == 0 ? 0.0 : kU[k - 1][n];
       poly[n][0] = poly[n][0] + even_sum[k] * kT[k][n];
-      poly[n][1] = poly[n][1] + even_difference[k] * u_previous;
-      poly[n][2] = poly[n][2] + odd_sum[k] * (kU[k][n] + u_previous);
+      poly[n][1] = poly[n][1] + odd_sum[k] * (kU[k][n] + u_previous);
+      poly[n][2] = poly[n][2] + even_difference[k] * u_previous;
       poly[n][3] = poly[n][3] - odd_difference[k] * (kU[k][n] - u_previous);
     }
   }
@@ -368,8 +371,8 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
   sincos_turns(v_turns_at_0, sin_v, cos_v);
   const Real cos_2v = 1.0 - sin_v * sin_v * 2.0, sin_2v = sin_v * cos_v * 2.0;
   f.frame = frame_of<Real>(in, c, momentum_exponent,
-                           {horner(poly, 0, cos_2v), sin_v * horner(poly, 2, cos_2v), cos_v * horner(poly, 3, cos_2v),
-                            sin_2v * horner(poly, 1, cos_2v)});
+                           {horner(poly, 0, cos_2v), sin_v * horner(poly, 1, cos_2v), cos_v * horner(poly, 3, cos_2v),
+                            sin_2v * horner(poly, 2, cos_2v)});
   out.chart = Chart::fourier;
 }
 
@@ -397,12 +400,12 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
     if (n <= kMaxDegree) {
       const double sign = n % 2 == 0 ? 1.0 : -1.0;
       growing[n][0] = cos_n * q_to_n2;
-      growing[n][1] = -(sin_n * q_to_n2);
-      growing[n][2] = cos_n * q_to_n2 * sign;
+      growing[n][1] = cos_n * q_to_n2 * sign;
+      growing[n][2] = -(sin_n * q_to_n2);
       growing[n][3] = -(sin_n * q_to_n2 * sign);
       falling[n][0] = cos_n * c_n;
-      falling[n][1] = sin_n * c_n;
-      falling[n][2] = -(cos_n * c_n * sign);
+      falling[n][1] = -(cos_n * c_n * sign);
+      falling[n][2] = sin_n * c_n;
       falling[n][3] = -(sin_n * c_n * sign);
     }
     q_to_n2 = q_to_n2 * q_to_2n * q;
@@ -438,7 +441,7 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   const Real big_y = closed ? exp(abs(x_at_0) - x_period * 0.5) : Real(0.0);
   Real at_0[4];
   for (int i = 0; i < 4; ++i) at_0[i] = horner(growing, i, big_y) + e * horner(falling, i, e);
-  const Real re_alpha = at_0[0], im_alpha = at_0[1] * side, re_beta = at_0[2] * side, im_beta = at_0[3];
+  const Real re_alpha = at_0[0], re_beta = at_0[1] * side, im_alpha = at_0[2] * side, im_beta = at_0[3];
   Real sin_p, cos_p;
   sincos_turns(x_at_0 * x_to_turns, sin_p, cos_p);
   h.frame = frame_of<Real>(in, c, momentum_exponent,

@@ -204,19 +204,17 @@ inline void store(double* p, V a) {
 /// The lanes of four components as rows: row i is (c[0][i], ..., c[3][i]), one after the other.
 inline void rows_of_4(const Lanes (&c)[4], Lanes (&rows)[4]) {
 #if defined(__AVX512F__)
-  // Pairs of components, then pairs of pairs, then pairs of rows. ab_low holds rows 0 2 4 6, ab_high rows 1 3 5 7.
-  const __m512d ab_low = _mm512_unpacklo_pd(c[0], c[1]), ab_high = _mm512_unpackhi_pd(c[0], c[1]);
-  const __m512d cd_low = _mm512_unpacklo_pd(c[2], c[3]), cd_high = _mm512_unpackhi_pd(c[2], c[3]);
-  const __m512i first = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
-                second = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
-  const __m512d rows_02 = _mm512_permutex2var_pd(ab_low, first, cd_low);
-  const __m512d rows_46 = _mm512_permutex2var_pd(ab_low, second, cd_low);
-  const __m512d rows_13 = _mm512_permutex2var_pd(ab_high, first, cd_high);
-  const __m512d rows_57 = _mm512_permutex2var_pd(ab_high, second, cd_high);
-  rows[0] = _mm512_shuffle_f64x2(rows_02, rows_13, 0x44);
-  rows[1] = _mm512_shuffle_f64x2(rows_02, rows_13, 0xee);
-  rows[2] = _mm512_shuffle_f64x2(rows_46, rows_57, 0x44);
-  rows[3] = _mm512_shuffle_f64x2(rows_46, rows_57, 0xee);
+  // Pairs of components of rows 0 to 3 and of rows 4 to 7, then pairs of pairs.
+  const __m512i pairs_0 = _mm512_setr_epi64(0, 8, 1, 9, 2, 10, 3, 11),
+                pairs_4 = _mm512_setr_epi64(4, 12, 5, 13, 6, 14, 7, 15);
+  const __m512i rows_0 = _mm512_setr_epi64(0, 1, 8, 9, 2, 3, 10, 11),
+                rows_2 = _mm512_setr_epi64(4, 5, 12, 13, 6, 7, 14, 15);
+  const __m512d ab_0 = _mm512_permutex2var_pd(c[0], pairs_0, c[1]), ab_4 = _mm512_permutex2var_pd(c[0], pairs_4, c[1]);
+  const __m512d cd_0 = _mm512_permutex2var_pd(c[2], pairs_0, c[3]), cd_4 = _mm512_permutex2var_pd(c[2], pairs_4, c[3]);
+  rows[0] = _mm512_permutex2var_pd(ab_0, rows_0, cd_0);
+  rows[1] = _mm512_permutex2var_pd(ab_0, rows_2, cd_0);
+  rows[2] = _mm512_permutex2var_pd(ab_4, rows_0, cd_4);
+  rows[3] = _mm512_permutex2var_pd(ab_4, rows_2, cd_4);
 #elif defined(__AVX2__)
   const __m256d ab_low = _mm256_unpacklo_pd(c[0], c[1]), ab_high = _mm256_unpackhi_pd(c[0], c[1]);
   const __m256d cd_low = _mm256_unpacklo_pd(c[2], c[3]), cd_high = _mm256_unpackhi_pd(c[2], c[3]);

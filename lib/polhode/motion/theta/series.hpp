@@ -33,7 +33,7 @@ struct Frame {
 
 /// First chart: with v = pi/2 (v_quarters_per_s t + v_quarters_at_0 + v_whole_quarters_at_0), c = cos 2v, polynomials
 /// in c of the given degree:
-///   Re alpha = p0(c), Im alpha = sin 2v p1(c), Re beta = sin v p2(c), Im beta = cos v p3(c).
+///   Re alpha = p0(c), Re beta = sin v p1(c), Im alpha = sin 2v p2(c), Im beta = cos v p3(c).
 struct FourierChart {
   Frame frame;
   TwoPart rho_quarters_per_s;
@@ -46,8 +46,8 @@ struct FourierChart {
 
 /// Second chart: with x = x_per_s t + x_at_0 reduced to |x| <= x_period / 2 by n whole periods, E = e^{-|x|},
 /// Y = e^{|x| - x_period / 2}, and s the sign of x:
-///   Re alpha = g0(Y) + E f0(E)             Im alpha = s (g1(Y) + E f1(E))
-///   Re beta = (-1)^n s (g2(Y) + E f2(E))   Im beta = (-1)^n (g3(Y) + E f3(E))
+///   Re alpha = g0(Y) + E f0(E)         Re beta = (-1)^n s (g1(Y) + E f1(E))
+///   Im alpha = s (g2(Y) + E f2(E))     Im beta = (-1)^n (g3(Y) + E f3(E))
 /// both times e^{i pi/2 x x_to_quarters}, to be combined with e^{i rho t}.
 struct HyperbolicChart {
   Frame frame;

@@ -2,6 +2,7 @@
 
 #include "polhode/motion/theta/batch.hpp"
 #include "polhode/motion/theta/build.hpp"
+#include "polhode/motion/theta/single.hpp"
 
 namespace polhode::theta {
 namespace {
@@ -10,13 +11,9 @@ void build_any_span(const Input& in, Solution& out) { build<DoubleDouble>(in, ou
 void build_short_span(const Input& in, Solution& out) { build<double>(in, out); }
 
 void at_one(const Solution& s, double t_high, double t_low, double q_xyzw[4], double m[3]) {
-  dispatch(s, [&](const auto& at) {
-    double qs[4], ms[3];
-    const Pair<double> t = two_sum<double>(t_high, t_low);
-    at(t.high, t.low, qs, ms);
-    for (int k = 0; k < 4; ++k) q_xyzw[k] = qs[(k + 1) % 4];
-    for (int k = 0; k < 3; ++k) m[k] = ms[k];
-  });
+  Pair<double> t{t_high, t_low};
+  if (t_low != 0.0) t = two_sum(t_high, t_low);  // the parts may overlap
+  dispatch(s, [&](const auto& at) { state_at(at, t.high, t.low, q_xyzw, m); });
 }
 
 void batch_of(const Solution& s, const BatchArguments& arguments) {

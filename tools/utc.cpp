@@ -1,0 +1,28 @@
+#include "utc.hpp"
+
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include <string>
+
+#include "polhode/read/leap_seconds_file.hpp"
+#include "polhode/time/scale.hpp"
+
+namespace polhode::tools {
+
+void add_leap_seconds(CLI::App& command) {
+  command.add_option_function<std::string>(
+      "--leap-seconds", [](const std::string& path) { set_leap_seconds(read_leap_seconds(path)); },
+      "table of leap seconds to use: a NAIF leap-second kernel");
+}
+
+void UtcDoubts::look_at(Instant instant) {
+  if (said_) return;
+  if (const auto doubt = utc_doubt(instant)) {
+    fmt::print(stderr, "polhode: note: {}: {}\n", format_date(instant, TimeScale::utc, 0), *doubt);
+    said_ = true;
+  }
+}
+
+}  // namespace polhode::tools
