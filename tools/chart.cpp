@@ -229,6 +229,11 @@ void chart_torqued(const ChartOptions& options) {
     comments.push_back(fmt::format("{}: reference to {:.0e} rad: {}, estimated error {:.1e} rad, {} torque evaluations",
                                    subject.name, reference.tolerance_rad, reference.outcome, reference.error_rad,
                                    reference.evaluations));
+    if (result.rows.empty()) {
+      std::fprintf(stderr,
+                   "polhode: %s: the reference stopped at %zu torque evaluations, a larger --size goes further\n",
+                   subject.name.c_str(), reference.evaluations);
+    }
     for (const survey::TorquedRow& r : result.rows) {
       rows.push_back({subject.name, number(subject.span_s), number(turns), r.method, std::string(r.kind),
                       fmt::format("{}", r.instants), number(r.step_s), number(r.free_step_s), number(r.tolerance),

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view torqued_motions[] = {"auto", "variation", "extrapolation"};
 
 constexpr double reference_tolerance_rad = 1e-14;
-constexpr int loosest_digits = 2, tightest_digits = 16;  // of tolerances
+constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
 constexpr double longest_step_turns = 1.0, longest_step_turns_without_kernel = 1.0 / 8.0;
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -69,7 +69,7 @@ TorquedRow measured(const Examination& e, std::string_view method, double tolera
                                 .first_s = std::min(0.0, last_s),
                                 .last_s = std::max(0.0, last_s),
                                 .method = method,
-                                .max_torque_evaluations = static_cast<std::size_t>(e.most_evaluations)});
+                                .max_torque_evaluations = static_cast<std::size_t>(10.0 * e.most_evaluations)});
     r.evaluations = static_cast<double>(motion.torque_evaluations());
     r.kept_evaluations = static_cast<double>(motion.kept_torque_evaluations());
     if (motion.outcome() == Outcome::stopped) {
@@ -186,8 +186,8 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
     for (const std::string_view method : torqued_motions) {
       if (told) told(method);
       Progress progress(e, result.rows);
-      for (int digits = loosest_digits; digits <= tightest_digits; ++digits) {
-        if (!progress.take(measured(e, method, std::pow(10.0, -digits)))) break;
+      for (int n = loosest; n <= tightest; ++n) {
+        if (!progress.take(measured(e, method, std::pow(10.0, -0.5 * n)))) break;
       }
     }
     for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
@@ -198,8 +198,8 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
         continue;
       }
       Progress progress(e, result.rows);
-      for (int digits = loosest_digits; digits <= tightest_digits; ++digits) {
-        const StepControl control{.tolerance = std::pow(10.0, -digits),
+      for (int n = loosest; n <= tightest; ++n) {
+        const StepControl control{.tolerance = std::pow(10.0, -0.5 * n),
                                   .max_evaluations = static_cast<std::int64_t>(most_evaluations)};
         if (!progress.take(measured(e, method, control))) break;
       }
