@@ -49,6 +49,7 @@ std::vector<std::string> or_standard(const std::vector<std::string>& given, cons
                                      const std::vector<std::string>& standard) {
   if (!given.empty()) return given;
   std::vector<std::string> paths;
+  paths.reserve(standard.size());
   for (const std::string& name : standard) paths.push_back(fmt::format("{}{}{}", POLHODE_DATA_DIR, folder, name));
   return paths;
 }
@@ -209,7 +210,7 @@ survey::TorquedSubject read_torqued_subject(const std::string& text) {
 
 void chart_torqued(const ChartOptions& options) {
   constexpr int kInstants = 1000;
-  constexpr double kEvaluations = 2e5, kEvaluationsPerTurn = 500.0;
+  constexpr double kEvaluations = 5e4, kEvaluationsPerTurn = 500.0;
   std::vector<survey::TorquedSubject> subjects;
   for (const std::string& text : or_standard(options.bodies, "/", kStandardTorqued)) {
     subjects.push_back(read_torqued_subject(text));
@@ -228,6 +229,11 @@ void chart_torqued(const ChartOptions& options) {
     comments.push_back(fmt::format("{}: reference to {:.0e} rad: {}, estimated error {:.1e} rad, {} torque evaluations",
                                    subject.name, reference.tolerance_rad, reference.outcome, reference.error_rad,
                                    reference.evaluations));
+    if (result.rows.empty()) {
+      std::fprintf(stderr,
+                   "polhode: %s: the reference stopped at %zu torque evaluations, a larger --size goes further\n",
+                   subject.name.c_str(), reference.evaluations);
+    }
     for (const survey::TorquedRow& r : result.rows) {
       rows.push_back({subject.name, number(subject.span_s), number(turns), r.method, std::string(r.kind),
                       fmt::format("{}", r.instants), number(r.step_s), number(r.free_step_s), number(r.tolerance),

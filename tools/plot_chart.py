@@ -91,13 +91,13 @@ def curves(table):
         yield method, np.maximum(np.asarray(rows["attitude_error"]), 1e-17), rows
 
 
-def place_labels(axes, labels, gap):
+def place_labels(axes, labels, gap, widen=1.0):
     """Names at the accurate ends of their curves, moved up or down until none covers another. `labels`: (x, y, text,
-    colour); `gap` in decades of y."""
+    colour); `gap` in decades of y, `widen` of their widths for wide panels."""
     placed = []
     span = 0.33 * gap * 6.2  # decades of x that one character takes, about
     for x, y, text, color in sorted(labels, key=lambda label: label[1]):
-        width = span * len(text) * 0.42
+        width = span * len(text) * 0.42 * widen
         start = np.log10(x)
         height = np.log10(y)
         for _ in range(200):
@@ -124,7 +124,9 @@ def place_labels(axes, labels, gap):
 INTEGRATOR_KINDS = [kind for kind in STYLES if kind != "exact"]
 
 
-def draw_speed_accuracy(axes, table, cost_name, gap=0.17, kind_of=family, styles=STYLES, rivals=INTEGRATOR_KINDS):
+def draw_speed_accuracy(
+    axes, table, cost_name, gap=0.17, headroom=4.5, widen=1.0, kind_of=family, styles=STYLES, rivals=INTEGRATOR_KINDS
+):
     """`kind_of(method)` is a key of `styles`; the grey front is that of the kinds `rivals` alone."""
     front_error, front_cost, labels = [], [], []
     integrator_error, integrator_cost = [], []
@@ -160,8 +162,8 @@ def draw_speed_accuracy(axes, table, cost_name, gap=0.17, kind_of=family, styles
     axes.set_yscale("log")
     axes.set_xlim(4, 1e-17)
     low, high = axes.get_ylim()
-    axes.set_ylim(low, high * 10 ** (4.5 * gap))
-    place_labels(axes, labels, gap)
+    axes.set_ylim(low, high * 10 ** (headroom * gap))
+    place_labels(axes, labels, gap, widen)
     axes.xaxis.set_major_locator(LogLocator(10, numticks=10))
     axes.xaxis.set_minor_formatter(NullFormatter())
     axes.grid(True, which="major", color="#e5e8eb", linewidth=0.6)
@@ -269,9 +271,14 @@ def torqued(table, folder):
     comments = table.meta.get("comments", [])
     look = dict(kind_of=kinds.get, styles=TORQUED_STYLES, rivals=["general"])
 
-    def draw(axes, body, instants, cost_name, gap):
+    # What is lost is no answer, and no error can be told below that of the reference.
+    table = table[table["attitude_error"] < 0.3]
+    table["attitude_error"] = np.maximum(table["attitude_error"], table["reference_error"])
+
+    def draw(axes, body, instants, cost_name):
         part = table[(table["body"] == body) & (table["instants"] == instants)]
-        draw_speed_accuracy(axes, part, cost_name, gap, **look)
+        draw_speed_accuracy(axes, part, cost_name, gap=0.1, headroom=7, widen=1.5, **look)
+        axes.set_xlim(1, 1e-17)
         axes.set_title(title_of(table, body), fontsize=10, color=INK, loc="left")
         axes.set_xlabel("greatest attitude error, rad (better to the right)", fontsize=8)
         axes.set_ylabel(TORQUED_COSTS[cost_name][0], fontsize=8)
@@ -283,24 +290,24 @@ def torqued(table, folder):
     for instants in dict.fromkeys((many, 1)):
         when = "the last instant alone" if instants == 1 else f"{instants} instants over the span"
         for cost_name, (_, tag) in TORQUED_COSTS.items():
-            columns = min(3, len(bodies))
+            columns = min(2, len(bodies))
             rows = -(-len(bodies) // columns)
             figure, grid = plt.subplots(
-                rows, columns, figsize=(max(7.0, 5.4 * columns), 4.9 * rows + 0.8), squeeze=False, layout="constrained"
+                rows, columns, figsize=(7.5 * columns, 6.6 * rows + 0.8), squeeze=False, layout="constrained"
             )
-            figure.get_layout_engine().set(rect=(0, 0.065, 1, 0.9), w_pad=0.1, h_pad=0.12)
+            figure.get_layout_engine().set(rect=(0, 0.12 / (rows + 1), 1, 1 - 0.2 / (rows + 1)), w_pad=0.1, h_pad=0.12)
             for axes, body in zip(grid.flat, bodies):
-                draw(axes, body, instants, cost_name, gap=0.17)
+                draw(axes, body, instants, cost_name)
             for axes in grid.flat[len(bodies) :]:
                 axes.set_visible(False)
             figure.suptitle(f"Torques: cost against accuracy, {when}", fontsize=13, color=INK, x=0.012, ha="left")
             legend(figure)
             figure.text(0.012, 0.004, "   ".join(comments[1:3]), fontsize=6, color=FAINT)
             save(figure, folder, f"torqued{'' if instants == many else '-last'}{tag}")
-    figure, grid = plt.subplots(1, 2, figsize=(11.5, 6.2), layout="constrained")
-    figure.get_layout_engine().set(rect=(0, 0.06, 1, 0.94), w_pad=0.1)
+    figure, grid = plt.subplots(1, 2, figsize=(15, 7.2), layout="constrained")
+    figure.get_layout_engine().set(rect=(0, 0.05, 1, 0.94), w_pad=0.1)
     for axes, cost_name in zip(grid, TORQUED_COSTS):
-        draw(axes, bodies[0], 1, cost_name, gap=0.13)
+        draw(axes, bodies[0], 1, cost_name)
     legend(figure)
     figure.text(0.99, 0.985, "   ".join(comments[1:3]), fontsize=5.5, color=FAINT, ha="right", va="top")
     save(figure, folder, "torqued-main")
@@ -312,7 +319,9 @@ def torqued_table(table, bodies, instants):
     """Of each kind the cheapest that reaches an accuracy, by evaluations and by time."""
     accuracies = (1e-3, 1e-6, 1e-9)
     lines = [
-        f"| {instants} instants: evaluations; \N{GREEK SMALL LETTER MU}s per turn | kind | " + " | ".join(f"{a:g} rad" for a in accuracies) + " |",
+        f"| {instants} instants: evaluations; \N{GREEK SMALL LETTER MU}s per turn | kind | "
+        + " | ".join(f"{a:g} rad" for a in accuracies)
+        + " |",
         "|---" * (len(accuracies) + 2) + "|",
     ]
     for body in bodies:

@@ -363,6 +363,7 @@ double torqued_error(const TorquedMethod& method, const Torques& torques, const 
   static const std::vector<FreeState> truth = [&] {
     const TorquedMotion reference(body, torques, {1e-15, -60.0, 200.0, "extrapolation"});
     std::vector<FreeState> states;
+    states.reserve(times.size());
     for (const double t : times) states.push_back(reference.at(t));
     return states;
   }();

@@ -13,11 +13,12 @@ namespace polhode::survey {
 namespace {
 
 /// Names of TorquedOptions::method: what is charted at tolerances.
-constexpr std::string_view torqued_motions[] = {"auto", "extrapolation"};
+constexpr std::string_view torqued_motions[] = {"auto", "variation", "extrapolation"};
 
 constexpr double reference_tolerance_rad = 1e-14;
-constexpr int loosest_digits = 2, tightest_digits = 16;  // of tolerances
+constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
 constexpr double longest_step_turns = 1.0, longest_step_turns_without_kernel = 1.0 / 8.0;
+constexpr double runs_of_torqued_motion = 10.0;  // to choose steps, to tell the error, in long double: at the most
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// The torque evaluations that TorquedMotion does not count: of a state between the ends of its steps.
@@ -64,12 +65,13 @@ TorquedRow measured(const Examination& e, std::string_view method, std::string_v
 TorquedRow measured(const Examination& e, std::string_view method, double tolerance) {
   TorquedRow row = measured(e, method, "to an accuracy", [&](const StateArrays& out, TorquedRow& r) {
     const double last_s = e.times_s.back();
-    const TorquedMotion motion(e.subject.body, e.subject.torques,
-                               {.tolerance_rad = tolerance,
-                                .first_s = std::min(0.0, last_s),
-                                .last_s = std::max(0.0, last_s),
-                                .method = method,
-                                .max_torque_evaluations = static_cast<std::size_t>(e.most_evaluations)});
+    const TorquedMotion motion(
+        e.subject.body, e.subject.torques,
+        {.tolerance_rad = tolerance,
+         .first_s = std::min(0.0, last_s),
+         .last_s = std::max(0.0, last_s),
+         .method = method,
+         .max_torque_evaluations = static_cast<std::size_t>(runs_of_torqued_motion * e.most_evaluations)});
     r.evaluations = static_cast<double>(motion.torque_evaluations());
     r.kept_evaluations = static_cast<double>(motion.kept_torque_evaluations());
     if (motion.outcome() == Outcome::stopped) {
@@ -102,34 +104,35 @@ TorquedRow measured(const Examination& e, const rivals::TorquedMethod& method, c
 /// Collects the rows of one method from coarse to fine; false once rounding, or the limit, has ended the progress.
 class Progress {
  public:
-  Progress(const Examination& e, std::vector<TorquedRow>& rows) : most_evaluations_(e.most_evaluations), rows_(rows) {}
+  Progress(double most_evaluations, std::vector<TorquedRow>& rows) : most_evaluations_(most_evaluations), rows_(rows) {}
 
   bool take(const TorquedRow& row) {
     // Too coarse steps may fail, diverge or cost more than fine ones: none is an end of the progress.
     const bool finite = std::isfinite(row.attitude_rad);
     if (finite) rows_.push_back(row);
     if (std::isfinite(best_) && (!finite || row.evaluations > most_evaluations_)) return false;
-    if (finite) {
+    // Where something else shortens the steps, several tolerances take the same ones.
+    if (finite && row.evaluations != last_evaluations_) {
       without_progress_ = row.attitude_rad < 0.8 * best_ || best_ > 1e-3 ? 0 : without_progress_ + 1;
-      best_ = std::min(best_, row.attitude_rad);
     }
+    if (finite) best_ = std::min(best_, row.attitude_rad);
+    last_evaluations_ = row.evaluations;
     return without_progress_ < most_without_progress;
   }
 
  private:
-  // Steps cut at every instant hide several tolerances, and errors of either sign cancel in passing.
-  static constexpr int most_without_progress = 6;
+  static constexpr int most_without_progress = 6;  // errors of either sign cancel in passing
 
   double most_evaluations_;
   std::vector<TorquedRow>& rows_;
-  double best_ = infinity;
+  double best_ = infinity, last_evaluations_ = 0.0;
   int without_progress_ = 0;
 };
 
 /// Steps, each with the free step that is just short enough.
 void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, double longest_s,
                  std::vector<TorquedRow>& rows) {
-  Progress progress(e, rows);
+  Progress progress(e.most_evaluations, rows);
   const double span_s = std::abs(e.subject.span_s);
   double free_step_s = longest_s;
   for (int halvings = 0;; ++halvings) {  // of the square of the step
@@ -143,7 +146,8 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
     TorquedRow best;
     best.attitude_rad = infinity;
     const double first_s = std::min(4.0 * free_step_s, step_s);
-    for (int n = 0;; ++n) {
+    bool exhausted = false;
+    for (int n = 0; !exhausted; ++n) {
       const double s = std::ldexp(first_s, -n);
       control.free_step_s = s;
       const TorquedRow row = measured(e, method, control);
@@ -151,9 +155,10 @@ void sweep_steps(const Examination& e, const rivals::TorquedMethod& method, doub
       const bool better = row.attitude_rad < 0.8 * before;
       if (better) best = row, free_step_s = s;
       if (std::isfinite(before) && !better) break;
-      if (span_s / s > 5.0 * e.most_evaluations) break;
+      exhausted = span_s / s > 2.5 * e.most_evaluations;
     }
-    if (!progress.take(best)) return;
+    // Where the free motion is what limits, finer kicks change nothing.
+    if (!progress.take(best) || exhausted) return;
   }
 }
 
@@ -183,9 +188,9 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
         std::min(turn_s(subject.body), std::abs(subject.span_s) / static_cast<double>(times.size()));
     for (const std::string_view method : torqued_motions) {
       if (told) told(method);
-      Progress progress(e, result.rows);
-      for (int digits = loosest_digits; digits <= tightest_digits; ++digits) {
-        if (!progress.take(measured(e, method, std::pow(10.0, -digits)))) break;
+      Progress progress(runs_of_torqued_motion * most_evaluations, result.rows);
+      for (int n = loosest; n <= tightest; ++n) {
+        if (!progress.take(measured(e, method, std::pow(10.0, -0.5 * n)))) break;
       }
     }
     for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
@@ -195,9 +200,9 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
         sweep_steps(e, method, std::min(longest_s, turns * turn_s(subject.body)), result.rows);
         continue;
       }
-      Progress progress(e, result.rows);
-      for (int digits = loosest_digits; digits <= tightest_digits; ++digits) {
-        const StepControl control{.tolerance = std::pow(10.0, -digits),
+      Progress progress(most_evaluations, result.rows);
+      for (int n = loosest; n <= tightest; ++n) {
+        const StepControl control{.tolerance = std::pow(10.0, -0.5 * n),
                                   .max_evaluations = static_cast<std::int64_t>(most_evaluations)};
         if (!progress.take(measured(e, method, control))) break;
       }

@@ -47,9 +47,9 @@ struct TorquedAccuracy {
 };
 
 /// Every method under torques over the span, at `instants` instants and again at the last one alone: TorquedMotion to
-/// tolerances from 1e-2, splittings at fixed steps from a turn, kernels that are not exact at free steps as well,
-/// general-purpose integrators; until rounding stops the progress or a run would take more than `most_evaluations` of
-/// the torques. Deterministic but for the times.
+/// tolerances from 1e-2 in half decades, splittings at fixed steps from a turn, kernels that are not exact at free
+/// steps as well, general-purpose integrators; until rounding stops the progress or a run would take more than
+/// `most_evaluations` of the torques. Deterministic but for the times.
 TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, double most_evaluations,
                                  const Told& told = {});
 

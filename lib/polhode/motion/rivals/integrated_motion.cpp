@@ -104,7 +104,7 @@ std::int64_t IntegratedMotion::advance(std::span<const double> times, State<doub
       stretch.push_back(times[i] - from);
     }
     const std::size_t rows = stretch.size();
-    stretch.push_back(to - from);
+    if (rows == 0 || times[done + rows - 1] != to) stretch.push_back(to - from);
     states.resize(stretch.size());
     forcing.start_s = from * time_unit_;
     forcing.torques = forcing_->torques.during(0.5 * (from + to) * time_unit_);
