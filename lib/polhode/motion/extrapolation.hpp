@@ -14,13 +14,15 @@ struct ExtendedState {
   Vector3Of<long double> momentum_body = Vector3Of<long double>::Zero();
 };
 
-/// Gragg's modified midpoint rule with polynomial extrapolation in the square of the step, order 16 in 105 evaluations,
-/// in long double (Hairer, Norsett & Wanner, Solving ODEs I, section II.9): knows nothing of the exact free motion, so
-/// that it checks the splitting methods, and goes where doubles run out of digits.
+/// Gragg's modified midpoint rule with polynomial extrapolation in the square of the step, order 16 in 97 evaluations
+/// (Hairer, Norsett & Wanner, Solving ODEs I, section II.9): knows nothing of the exact free motion, so that it checks
+/// the other methods, takes over where torques are as large as the inertia forces, and with Real = long double goes
+/// where doubles run out of digits.
+template <class Real>
 class Extrapolation {
  public:
   Extrapolation(const Vector3& principal_moments, const Torques& torques)
-      : moments_(principal_moments.cast<long double>()), torques_(torques) {}
+      : moments_(principal_moments.cast<Real>()), torques_(torques) {}
 
   struct Step {
     ExtendedState state;
@@ -32,12 +34,15 @@ class Extrapolation {
   std::size_t torque_evaluations() const { return evaluations_; }
 
  private:
-  using Values = Eigen::Matrix<long double, 7, 1>;  // q scalar first, m
-  Values rate(long double t_s, const Values& y);
+  using Values = Eigen::Matrix<Real, 7, 1>;  // q scalar first, m
+  Values rate(const Torques::Surroundings<Real>& surroundings, const Values& y);
 
-  Vector3Of<long double> moments_;
+  Vector3Of<Real> moments_;
   const Torques& torques_;
   std::size_t evaluations_ = 0;
 };
+
+extern template class Extrapolation<double>;
+extern template class Extrapolation<long double>;
 
 }  // namespace polhode

@@ -12,6 +12,7 @@ namespace polhode {
 namespace {
 
 constexpr std::string_view kVariation = "variation";
+constexpr std::string_view kExtrapolationInDouble = "extrapolation-double";
 constexpr std::string_view kExtrapolation = "extrapolation";
 constexpr std::string_view kAuto = "auto";
 constexpr double kLongestTurn_rad = 6.0;    // of one step: about what the kernel and the error estimate are made for
@@ -23,6 +24,11 @@ constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is ne
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
 constexpr double kPhaseOfTolerance_rad = 300.0;
 constexpr double kFinerVariation = 1.0 / 16.0;
+// Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
+// double only, where it is not rounding that keeps two runs apart.
+constexpr double kLooserExtrapolation = 1e4, kLooserExtrapolationInDouble = 100.0;
+constexpr double kGainOfExtrapolation = 1000.0, kGainOfExtrapolationInDouble = 2.0;
+constexpr double kAsymptotic_rad = 1e-2;  // runs that differ by more say nothing of each other
 
 ExtendedState extended(const FreeState& state) {
   return {state.q_inertial_from_body.cast<long double>(), state.momentum_body.cast<long double>()};
@@ -59,10 +65,7 @@ std::string_view outcome_name(Outcome outcome) {
 class TorquedMotion::Builder {
  public:
   Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, std::string_view method)
-      : options_(options),
-        variation_(method == kVariation),
-        scheme_(variation_ || method == kExtrapolation ? nullptr : &splitting_scheme(method)),
-        moments_(body.principal_moments) {
+      : options_(options), way_(way(method)), moments_(body.principal_moments) {
     start_ = {body.q_inertial_from_body.cast<long double>().normalized(), body.momentum_body.cast<long double>()};
     for (const bool forward : {true, false}) {
       const double end_s = forward ? options.last_s : options.first_s;
@@ -81,24 +84,37 @@ class TorquedMotion::Builder {
     }
   }
 
+  static Way way(std::string_view name) {
+    if (name == kVariation) return {.variation = true};
+    if (name == kExtrapolation) return {.extended = true};
+    if (name == kExtrapolationInDouble) return {};
+    return {.scheme = &splitting_scheme(name)};
+  }
+
+  template <class Real>
+  static ExtendedState extrapolated(const Vector3& moments, const Torques& torques, const Node& from, double length_s,
+                                    std::size_t parts, std::size_t& evaluations, double* local_error) {
+    Extrapolation<Real> method(moments, torques);
+    ExtendedState state = from.state;
+    const long double part_s = static_cast<long double>(length_s) / parts;
+    for (std::size_t i = 0; i < parts; ++i) {
+      const auto step = method.step(from.t_s + i * part_s, state, part_s);
+      state = step.state;
+      if (local_error != nullptr) *local_error = step.error;
+    }
+    evaluations += method.torque_evaluations();
+    return state;
+  }
+
   /// One state from a splitting method or from extrapolation.
-  static ExtendedState stepped(const SplittingScheme* scheme, const Vector3& moments, const Torques& torques,
-                               const Node& from, double length_s, std::size_t parts, std::size_t& evaluations,
-                               double* local_error) {
-    if (scheme == nullptr) {
-      Extrapolation method(moments, torques);
-      ExtendedState state = from.state;
-      const long double part_s = static_cast<long double>(length_s) / parts;
-      for (std::size_t i = 0; i < parts; ++i) {
-        const Extrapolation::Step step = method.step(from.t_s + i * part_s, state, part_s);
-        state = step.state;
-        if (local_error != nullptr) *local_error = step.error;
-      }
-      evaluations += method.torque_evaluations();
-      return state;
+  static ExtendedState stepped(const Way& way, const Vector3& moments, const Torques& torques, const Node& from,
+                               double length_s, std::size_t parts, std::size_t& evaluations, double* local_error) {
+    if (way.scheme == nullptr) {
+      return (way.extended ? extrapolated<long double> : extrapolated<double>)(moments, torques, from, length_s, parts,
+                                                                               evaluations, local_error);
     }
     const FreeState start = plain(from.state);
-    SplittingRun run({moments, start.q_inertial_from_body, start.momentum_body}, from.t_s, torques, *scheme);
+    SplittingRun run({moments, start.q_inertial_from_body, start.momentum_body}, from.t_s, torques, *way.scheme);
     for (std::size_t i = 0; i < parts; ++i) run.step(length_s / static_cast<double>(parts));
     evaluations += run.torque_evaluations();
     return extended(run.state());
@@ -109,12 +125,12 @@ class TorquedMotion::Builder {
   bool first_paths(double tolerance_rad, Path& forward, Path& backward) {
     tolerance_rad_ = tolerance_rad;
     forward = forward_, backward = backward_;
-    return variation_ ? vary(forward) && vary(backward) : choose_steps(forward) && choose_steps(backward);
+    return way_.variation ? vary(forward) && vary(backward) : choose_steps(forward) && choose_steps(backward);
   }
 
   /// The same paths, finer; false as above.
   bool finer_paths(const Path& forward, const Path& backward, Path& finer_forward, Path& finer_backward) {
-    if (variation_) return first_paths(kFinerVariation * tolerance_rad_, finer_forward, finer_backward);
+    if (way_.variation) return first_paths(kFinerVariation * tolerance_rad_, finer_forward, finer_backward);
     return halve(forward, finer_forward) && halve(backward, finer_backward);
   }
 
@@ -150,7 +166,7 @@ class TorquedMotion::Builder {
       }
       steps += leg.nodes.size();
     }
-    const double kicks = scheme_ == nullptr ? 1.0 : static_cast<double>(scheme_->kicks);
+    const double kicks = way_.scheme == nullptr ? 1.0 : static_cast<double>(way_.scheme->kicks);
     return polhode::rounding_rad(phase_rad, kicks * static_cast<double>(steps));
   }
 
@@ -180,10 +196,10 @@ class TorquedMotion::Builder {
     for (std::size_t l = 0; l < coarse.size(); ++l) {
       const std::vector<Node>& nodes = coarse[l].nodes;
       fine[l].nodes.assign(1, {nodes[0].t_s, state});
-      if (scheme_ != nullptr) {
+      if (way_.scheme != nullptr) {
         const FreeState start = plain(state);
         SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, nodes[0].t_s, fine[l].torques,
-                         *scheme_);
+                         *way_.scheme);
         for (std::size_t i = 1; i < nodes.size(); ++i) {
           const double middle_s = 0.5 * (nodes[i - 1].t_s + nodes[i].t_s);
           for (const double to_s : {middle_s, nodes[i].t_s}) {
@@ -199,7 +215,7 @@ class TorquedMotion::Builder {
           for (const double to_s : {middle_s, nodes[i].t_s}) {
             const Node from = fine[l].nodes.back();
             fine[l].nodes.push_back(
-                {to_s, stepped(nullptr, moments_, fine[l].torques, from, to_s - from.t_s, 1, evaluations_, nullptr)});
+                {to_s, stepped(way_, moments_, fine[l].torques, from, to_s - from.t_s, 1, evaluations_, nullptr)});
           }
           if (evaluations_ > options_.max_torque_evaluations) return false;
         }
@@ -237,15 +253,15 @@ class TorquedMotion::Builder {
         // A momentum off by a part d turns the body d omega t away in the time t that is left; but these errors swing
         // rather than add up, and what they come to is measured afterwards: start from the geometric mean.
         const double weight = std::sqrt(1.0 + rate_rad_s * std::abs(end_s - from.t_s));
-        if (scheme_ == nullptr) {
-          next = stepped(nullptr, moments_, leg.torques, from, to_s - from.t_s, 1, evaluations_, &error);
+        if (way_.scheme == nullptr) {
+          next = stepped(way_, moments_, leg.torques, from, to_s - from.t_s, 1, evaluations_, &error);
           error *= weight / 1000.0;  // two orders of the step lie between the estimate and the error
         } else {
           const ExtendedState whole =
-              stepped(scheme_, moments_, leg.torques, from, to_s - from.t_s, 1, evaluations_, nullptr);
+              stepped(way_, moments_, leg.torques, from, to_s - from.t_s, 1, evaluations_, nullptr);
           middle = {0.5 * (from.t_s + to_s), {}};
-          middle.state = stepped(scheme_, moments_, leg.torques, from, middle.t_s - from.t_s, 1, evaluations_, nullptr);
-          next = stepped(scheme_, moments_, leg.torques, middle, to_s - middle.t_s, 1, evaluations_, nullptr);
+          middle.state = stepped(way_, moments_, leg.torques, from, middle.t_s - from.t_s, 1, evaluations_, nullptr);
+          next = stepped(way_, moments_, leg.torques, middle, to_s - middle.t_s, 1, evaluations_, nullptr);
           const double momentum = static_cast<double>(next.momentum_body.norm());
           const double momentum_error = static_cast<double>((next.momentum_body - whole.momentum_body).norm());
           error = angle_rad(whole, next) + (momentum > 0.0 ? momentum_error / momentum * weight : 0.0);
@@ -255,15 +271,16 @@ class TorquedMotion::Builder {
             length_s * static_cast<double>(next.momentum_body.cast<double>().cwiseQuotient(moments_).norm());
         // Local errors of a symmetric method hardly add up: their share falls with the root of the number of steps.
         // Below the rounding of a step there is nothing to gain.
-        const double rounding = (scheme_ == nullptr ? 3e-18 / 1000.0 : 5e-15 / 60.0) * weight;
+        const double rounding =
+            (way_.scheme != nullptr ? 5e-15 / 60.0 : (way_.extended ? 3e-18 : 3e-15) / 1000.0) * weight;
         const double allowed = std::max(tolerance_rad_ * std::sqrt(length_s / std::abs(end_s)), rounding);
         if (evaluations_ > options_.max_torque_evaluations) return false;
         const bool good = error <= allowed && turned_rad <= 2.0 * kLongestTurn_rad;
-        const double exponent = scheme_ == nullptr ? 1.0 / 15.0 : 1.0 / 7.0;
+        const double exponent = way_.scheme == nullptr ? 1.0 / 15.0 : 1.0 / 7.0;
         const double factor =
             !std::isfinite(error) ? 0.1 : 0.85 * std::pow(allowed / std::max(error, 1e-300), exponent);
         wanted_s = length_s * std::clamp(factor, 0.1, good ? 4.0 : 0.7);
-        if (good && scheme_ != nullptr) leg.nodes.push_back(middle);
+        if (good && way_.scheme != nullptr) leg.nodes.push_back(middle);
         if (good) leg.nodes.push_back({to_s, next});
       }
       state = leg.nodes.back().state;
@@ -272,8 +289,7 @@ class TorquedMotion::Builder {
   }
 
   const TorquedOptions& options_;
-  bool variation_;
-  const SplittingScheme* scheme_;  // null: variation or extrapolation
+  Way way_;
   Vector3 moments_;
   double tolerance_rad_ = 0.0;  // of the finest paths so far
   ExtendedState start_;
@@ -295,7 +311,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
   const double phase_rad =
       body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
   if (options.method == kAuto) {
-    methods = {kVariation, kExtrapolation};
+    methods = {kVariation, kExtrapolationInDouble, kExtrapolation};
     if (rounding_rad(phase_rad, kFewestRoundingsPerRadian * phase_rad) > options.tolerance_rad)
       methods = {kExtrapolation};
   }
@@ -303,16 +319,23 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     const bool last = name == methods.back();
     Builder builder(body, torques, options, name);
     method_ = name;
-    scheme_ = name == kVariation || name == kExtrapolation ? nullptr : &splitting_scheme(name);
+    way_ = Builder::way(name);
+    double gain = 1.0, looser = 1.0;
+    if (way_.variation) {
+      looser = 1.0 / (1.0 + phase_rad / kPhaseOfTolerance_rad);
+    } else if (way_.scheme == nullptr) {
+      gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
+      looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;
+    }
+    const double goal_rad = gain * options.tolerance_rad / (way_.variation ? kSafetyOfVariation : kSafety);
     Path forward, backward;
-    bool whole = builder.first_paths(
-        options.tolerance_rad / (name == kVariation ? 1.0 + phase_rad / kPhaseOfTolerance_rad : 1.0), forward,
-        backward);
+    bool whole = builder.first_paths(looser * options.tolerance_rad, forward, backward);
+    double before_rad = std::numeric_limits<double>::infinity();
     std::size_t kept_from = 0;
     int poor = 0;  // steps of refinement that gained little
     error_rad_ = std::numeric_limits<double>::infinity();
     outcome_ = Outcome::tolerance_not_reachable;
-    bool hopeless = !last && scheme_ != nullptr &&
+    bool hopeless = !last && way_.scheme != nullptr &&
                     std::max(builder.rounding_rad(forward), builder.rounding_rad(backward)) > options.tolerance_rad;
     for (int refinement = 0; whole && !hopeless && refinement < kMostRefinements; ++refinement) {
       Path finer_forward, finer_backward;
@@ -323,12 +346,12 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
       const double difference =
           std::max(builder.difference_rad(forward, finer_forward), builder.difference_rad(backward, finer_backward));
       // Finer steps gain a factor of ten and more from where the runs are near each other, until rounding shows.
-      poor += difference < 0.1 && !(difference < 0.5 * error_rad_);
-      hopeless = poor >= 2 || (difference < 0.1 && !(difference < 2.0 * error_rad_));
-      error_rad_ = difference;
-
+      poor += difference < 0.1 && !(difference < 0.5 * before_rad);
+      hopeless = poor >= 2 || (difference < 0.1 && !(difference < 2.0 * before_rad));
+      before_rad = difference;
+      error_rad_ = difference / gain;
       forward = std::move(finer_forward), backward = std::move(finer_backward);
-      if (difference <= options.tolerance_rad / (name == kVariation ? kSafetyOfVariation : kSafety)) {
+      if (difference <= std::min(goal_rad, kAsymptotic_rad)) {
         outcome_ = Outcome::done;
         break;
       }
@@ -374,7 +397,7 @@ FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
   const double length_s = (t_high_s - node.t_s) + t_low_s;
   if (length_s == 0.0) return plain(node.state);
   std::size_t uncounted = 0;
-  return plain(Builder::stepped(scheme_, moments_, leg.torques, node, length_s, 1, uncounted, nullptr));
+  return plain(Builder::stepped(way_, moments_, leg.torques, node, length_s, 1, uncounted, nullptr));
 }
 
 }  // namespace polhode

@@ -25,9 +25,9 @@ struct TorquedOptions {
   double tolerance_rad = 1e-9;
   /// The span, which holds t = 0.
   double first_s = 0.0, last_s = 0.0;
-  /// "variation": variation of constants around the exact motion; one of splitting_schemes() by name; "extrapolation"
-  /// in long double; or "auto": variation where the torques are small enough for it, else the splitting scheme
-  /// (10,6,4), and extrapolation where doubles cannot meet the tolerance.
+  /// "variation": variation of constants around the exact motion; one of splitting_schemes() by name;
+  /// "extrapolation-double"; "extrapolation" in long double; or "auto": variation where the torques are small enough
+  /// for it, else extrapolation, in long double where doubles cannot meet the tolerance.
   std::string_view method = "auto";
   /// Of all runs together.
   std::size_t max_torque_evaluations = 100'000'000;
@@ -63,6 +63,12 @@ class TorquedMotion final : public FreeMotion {
     double t_s;
     ExtendedState state;
   };
+  /// How to go on.
+  struct Way {
+    bool variation = false;
+    const SplittingScheme* scheme = nullptr;  ///< null: variation or extrapolation
+    bool extended = false;                    ///< extrapolation in long double
+  };
   /// Nodes between two jumps of the torques, away from t = 0.
   struct Leg {
     Torques torques;
@@ -73,7 +79,7 @@ class TorquedMotion final : public FreeMotion {
   class Builder;
 
   Vector3 moments_;
-  const SplittingScheme* scheme_ = nullptr;  // null: variation or extrapolation
+  Way way_;
   Path forward_, backward_;
   double first_s_ = 0.0, last_s_ = 0.0;
   Outcome outcome_ = Outcome::done;

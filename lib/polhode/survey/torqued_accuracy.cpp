@@ -28,7 +28,7 @@ double evaluations_of_an_answer(std::string_view method, const TorquedSubject& s
   }
   if (method != "extrapolation") return 0.0;
   const Torques torques = subject.torques.during(0.5 * subject.span_s);
-  Extrapolation extrapolation(subject.body.principal_moments, torques);
+  Extrapolation<long double> extrapolation(subject.body.principal_moments, torques);
   extrapolation.step(0.0L, {}, 1.0L);
   return static_cast<double>(extrapolation.torque_evaluations());
 }
