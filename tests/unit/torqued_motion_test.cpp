@@ -340,9 +340,11 @@ TEST(Variation, SaysWhenItIsNotForThis) {
   EXPECT_TRUE(Variation(satellite(), 3.0, 3.0, gravity(), 1e-9, 1).whole());
 }
 
-TEST(TorquedMotion, TakesVariationForSmallTorquesAndExtrapolationForLargeOnes) {
+TEST(TorquedMotion, TakesVariationForSmallTorquesAndExtrapolationForOthers) {
   EXPECT_EQ(TorquedMotion(satellite(), gravity(), {1e-9, 0.0, 5000.0}).method(), "variation");
-  EXPECT_EQ(TorquedMotion(satellite({1e-4, 1e-3, 1e-4}), gravity(), {1e-9, 0.0, 20000.0}).method(), "extrapolation");
+  EXPECT_EQ(TorquedMotion(satellite({1e-4, 1e-3, 1e-4}), gravity(), {1e-9, 0.0, 20000.0}).method(),
+            "extrapolation-double");
+  EXPECT_EQ(TorquedMotion(satellite(), gravity(), {1e-14, 0.0, 5000.0}).method(), "extrapolation");
 }
 
 // Control.
