@@ -43,7 +43,9 @@ class TrajectoryFile : public ::testing::Test {
     return {position, velocity};
   }
 
-  const std::string path_ = ::testing::TempDir() + "polhode_trajectory_test.txt";
+  const std::string path_ =  // a file of its own: tests run side by side
+      ::testing::TempDir() + "polhode_trajectory_" + ::testing::UnitTest::GetInstance()->current_test_info()->name() +
+      ".txt";
   TrajectoryRequest request{"earth", Frame::icrf, std::nullopt, parse_date("2025-01-01T00:00:00", TimeScale::tdb)};
 };
 

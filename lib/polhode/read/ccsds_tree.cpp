@@ -41,7 +41,8 @@ void check_kind(std::string_view kind, CcsdsContent content, const SourceLocatio
   throw InputError(
       where,
       content == CcsdsContent::attitude
-          ? fmt::format("the message is of kind {}, which holds no attitude; attitude messages are APM, AEM and ACM", kind)
+          ? fmt::format("the message is of kind {}, which holds no attitude; attitude messages are APM, AEM and ACM",
+                        kind)
           : fmt::format("the message is of kind {}, which holds no trajectory; an OEM is wanted", kind));
 }
 

@@ -54,12 +54,15 @@ std::vector<SpeedAccuracyRow> speed_accuracy(const Subject& subject, int instant
       (method.fixed_step ? control.step_s : control.tolerance) =
           method.fixed_step ? longest_step_turns * turn : loosest_tolerance;
       double best = std::numeric_limits<double>::infinity();
+      int given_up = 0;
       for (int without_progress = 0; without_progress < 3;) {
         const SpeedAccuracyRow row = measured(subject, method, control, times, truth);
         const bool finite = std::isfinite(row.errors.attitude_rad);
         if (finite) rows.push_back(row);
         // Too coarse steps may fail or diverge, and angles end at pi: neither is an end of the progress.
-        if (row.evaluations_per_instant * static_cast<double>(times.size()) > most_evaluations) break;
+        // A loose tolerance may let the momentum grow, and with it the cost, where a tighter one keeps both.
+        const bool too_long = row.evaluations_per_instant * static_cast<double>(times.size()) > most_evaluations;
+        if (too_long && (std::isfinite(best) || ++given_up > 3)) break;
         if (!finite && std::isfinite(best)) break;
         if (finite && row.errors.attitude_rad > 0.5 * best && best < 1e-3) ++without_progress;
         best = finite ? std::min(best, row.errors.attitude_rad) : best;

@@ -13,7 +13,7 @@ namespace polhode::survey {
 namespace {
 
 /// Names of TorquedOptions::method: what is charted at tolerances.
-constexpr std::string_view torqued_motions[] = {"auto", "variation", "extrapolation"};
+constexpr std::string_view torqued_motions[] = {"auto", "variation", "extrapolation-double", "extrapolation"};
 
 constexpr double reference_tolerance_rad = 1e-14;
 constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
@@ -26,7 +26,7 @@ double evaluations_of_an_answer(std::string_view method, const TorquedSubject& s
   for (const SplittingScheme& scheme : splitting_schemes()) {
     if (scheme.name == method) return static_cast<double>(scheme.kicks);
   }
-  if (method != "extrapolation") return 0.0;
+  if (!method.starts_with("extrapolation")) return 0.0;
   const Torques torques = subject.torques.during(0.5 * subject.span_s);
   Extrapolation<long double> extrapolation(subject.body.principal_moments, torques);
   extrapolation.step(0.0L, {}, 1.0L);
