@@ -20,8 +20,8 @@ constexpr double kRampTurns = 30.0;      // over which the steps grow
 constexpr double kWindowTurns = 100.0;   // of the trial, its ramp included
 constexpr double kTrialStep_rad = 0.6;
 constexpr double kBoldness = 2.0;          // the drift at the start tends to be more than what it comes to in the end
-constexpr double kCoarser = 1.5;           // step of the run to compare with
-constexpr double kLongestStep_rad = 0.9;   // the coarser ones below 1.5, where the second harmonic beats with the kicks
+constexpr double kCoarser = 1.6;           // step of the run to compare with
+constexpr double kLongestStep_rad = 0.92;  // the coarser ones below 1.5, where the second harmonic beats with the kicks
 constexpr double kShortestStep_rad = 0.1;  // below, a method of higher order is cheaper
 constexpr int kMostRefinements = 3;
 constexpr double kSlowest_rad = 25.0;              // of rotation in r/v: then the surroundings change slowly
@@ -170,7 +170,7 @@ std::unique_ptr<const KickedMotion> KickedMotion::make(const FreeBody& body, con
     if (!(step >= kShortestStep_rad)) break;
     std::unique_ptr<KickedMotion> fine = made(step);
     if (!fine) break;
-    // The error of the finer run is 0.8 of the difference where it is of second order.
+    // The error of the finer run is 0.6 of the difference where it is of second order.
     for (const Node& node : coarse->nodes_) {
       fine->error_rad_ = std::max(fine->error_rad_, rotation_angle_rad(node.state.q_inertial_from_body,
                                                                        fine->at(node.t_s).q_inertial_from_body));

@@ -22,7 +22,7 @@ struct KickedOptions {
 /// an initial state that is off by this swing has other mean rates: that, not the step, ruins a plain run with few
 /// kicks. Here the first steps are short and grow over thirty turns so smoothly that the mean motion (the adiabatic
 /// invariants) is taken along; what is left is the second-order difference of the mean rates. It is measured: the whole
-/// span is run at steps half as long again too, and the largest angle between the two runs is the error of the finer
+/// span is run at steps 1.6 times as long too, and the largest angle between the two runs is the error of the finer
 /// one, which is kept. The step is chosen by a trial of a hundred turns at the start.
 ///
 /// A state is exact free motion from the middle between two kicks: rows cost no torque evaluations.
