@@ -134,7 +134,8 @@ class TorquedMotion::Builder {
     return halve(forward, finer_forward) && halve(backward, finer_backward);
   }
 
-  /// Largest angle between a path and the finer one, at the ends of the steps of the coarse one; NaN if one is.
+  /// Largest angle between a path and the finer one, at the ends of the steps of the coarse one, and within its
+  /// windows; NaN if one is.
   double difference_rad(const Path& coarse, const Path& fine) const {
     double worst = 0.0;
     const auto compare = [&worst](const ExtendedState& a, const ExtendedState& b) {
@@ -144,8 +145,10 @@ class TorquedMotion::Builder {
     for (std::size_t l = 0; l < coarse.size(); ++l) {
       if (const Variation* variation = coarse[l].variation.get()) {
         for (std::size_t i = 0; i < variation->windows(); ++i) {
-          const double t_s = variation->window_end_s(i);
-          compare(extended(variation->at(t_s)), extended(fine[l].variation->at(t_s)));
+          for (const double part : {0.13, 0.53, 1.0}) {
+            const double t_s = variation->time_in_window_s(i, part);
+            compare(extended(variation->at(t_s)), extended(fine[l].variation->at(t_s)));
+          }
         }
         continue;
       }

@@ -277,8 +277,9 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       for (std::size_t k = 0; k < 4; ++k) spectrum[k] += fine.coefficients[j][k] * rates.col(j);
       largest = std::max(largest, size(rates.col(j)));
     }
-    // Interpolation errors beyond degree n integrate to less by n^2.
-    const double truncation = std::abs(half_s) * std::max(size(spectrum[2]), size(spectrum[3])) / (kDegree * kDegree);
+    // What is beyond degree n integrates to less by n^2 at the end, where errors go on, and by 2n between the points.
+    const double tail = std::abs(half_s) * std::max(size(spectrum[2]), size(spectrum[3]));
+    const double truncation = std::max(tail / (kDegree * kDegree) / allowed, tail / (2 * kDegree) / weight / tolerance);
     const double missed_by_coarse = 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
     // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
     const auto left = [&] { return moved * std::min(1.0, moved / before); };
@@ -288,10 +289,10 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       moved = sweep(coarse_will_do ? coarse : fine);
     }
     const bool converged = left() <= kLeft * allowed;
-    const bool good = converged && truncation <= allowed;
+    const bool good = converged && truncation <= 1.0;
     double factor = 0.5;
     if (converged && std::isfinite(truncation)) {
-      factor = 0.9 * std::pow(allowed / std::max(truncation, 1e-300), 1.0 / kDegree);
+      factor = 0.9 * std::pow(std::max(truncation, 1e-300), -1.0 / kDegree);
     }
     wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), kLongestWindow_rad);
     if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||

@@ -41,7 +41,10 @@ class Variation {
 
   std::size_t torque_evaluations() const { return evaluations_; }
   std::size_t windows() const { return windows_.size(); }
-  double window_end_s(std::size_t i) const { return windows_[i].first_s + windows_[i].length_s; }
+  /// After that part, 0 to 1, of a window.
+  double time_in_window_s(std::size_t i, double part) const {
+    return windows_[i].first_s + part * windows_[i].length_s;
+  }
 
  private:
   /// Momentum deviation (3, inertial), and the coefficients of Place::along, by_first, by_second.
