@@ -8,12 +8,13 @@ namespace polhode {
 namespace {
 
 constexpr int kFinest = Variation::kDegree;
-// Of neighbours, times the eighth root of the tolerance: 3e-5 at 1e-10. Its fourth power and a rounding divided by it
-// are small, and runs to two tolerances do not share the error.
-constexpr double kDifference_rad = 6e-4;
-constexpr double kLongestEpoch_rad = 10.0;      // after which the derivatives lose digits
-constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
-constexpr double kLargestDerivative = 12.0;     // of which the fifth power measures the error of the derivatives
+// Of neighbours, times the sixteenth root of the tolerance: 1e-3 at 1e-10. Its sixth power and a rounding divided by it
+// are below 1e-12, and runs to two tolerances do not share the error.
+constexpr double kDifference_rad = 4e-3;
+constexpr double kTurns[] = {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0};  // of neighbours, in that unit
+constexpr double kLongestEpoch_rad = 10.0;                      // after which the derivatives lose digits
+constexpr double kLargestDeviation_rad = 0.02;                  // whose square goes into the polynomials
+constexpr double kLargestDerivative = 12.0;  // of which the seventh power measures the error of the derivatives
 constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
 constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
@@ -91,14 +92,15 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
                                                : along.unitOrthogonal()),
       second(along.cross(first)),
       free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step),
-      about_second{neighbour(moments, q, momentum, -2.0 * difference_rad * second),
-                   neighbour(moments, q, momentum, -difference_rad * second),
-                   neighbour(moments, q, momentum, difference_rad * second),
-                   neighbour(moments, q, momentum, 2.0 * difference_rad * second)} {
+      about_second{neighbour(moments, q, momentum, kTurns[0] * difference_rad * second),
+                   neighbour(moments, q, momentum, kTurns[1] * difference_rad * second),
+                   neighbour(moments, q, momentum, kTurns[2] * difference_rad * second),
+                   neighbour(moments, q, momentum, kTurns[3] * difference_rad * second),
+                   neighbour(moments, q, momentum, kTurns[4] * difference_rad * second),
+                   neighbour(moments, q, momentum, kTurns[5] * difference_rad * second)} {
   if (across_rad_s > 1e-4 * omega.norm()) return;
-  for (int k = 0; k < 4; ++k) {
-    const double angle_rad = std::array{-2.0, -1.0, 1.0, 2.0}[k] * difference_rad;
-    const Quaternion start = turned(angle_rad * first, q);
+  for (std::size_t k = 0; k < about_first.size(); ++k) {
+    const Quaternion start = turned(kTurns[k] * difference_rad * first, q);
     about_first[k].emplace(FreeBody{moments, start, start.conjugate() * momentum}, ThetaMotion::Span::step);
   }
 }
@@ -133,20 +135,20 @@ struct Variation::Place {
 
 void Variation::find_places(const Epoch& epoch, std::span<const double> since_base_s, Place* places) const {
   const std::size_t count = since_base_s.size();
-  double m[3 * (kDegree + 1)], q[4 * (kDegree + 1)], neighbours[4][4 * (kDegree + 1)];
+  double m[3 * (kDegree + 1)], q[4 * (kDegree + 1)], neighbours[6][4 * (kDegree + 1)];
   const TimeArrays times{since_base_s};
   const auto quaternion = [](const double* a, std::size_t i) {
     return Quaternion(a[4 * i], a[4 * i + 1], a[4 * i + 2], a[4 * i + 3]);
   };
   epoch.free.batch(times, StateArrays::of_structures(q, m));
-  for (std::size_t k = 0; k < 4; ++k) {
+  for (std::size_t k = 0; k < 6; ++k) {
     epoch.about_second[k].batch(times, StateArrays::of_structures(neighbours[k], nullptr));
   }
   const auto derivative = [&](std::size_t i) -> Vector3 {
     const auto apart = [&](int plus, int minus) {
       return rotation_vector(quaternion(neighbours[plus], i), quaternion(neighbours[minus], i));
     };
-    return (8.0 * apart(2, 1) - apart(3, 0)) / (12.0 * difference_rad_);
+    return (45.0 * apart(3, 2) - 9.0 * apart(4, 1) + apart(5, 0)) / (60.0 * difference_rad_);
   };
   for (std::size_t i = 0; i < count; ++i) {
     Place& p = places[i];
@@ -159,7 +161,7 @@ void Variation::find_places(const Epoch& epoch, std::span<const double> since_ba
     p.by_first = (p.omega - epoch.omega.dot(epoch.along) * epoch.along) / epoch.across_rad_s;
   }
   if (epoch.about_first[0]) {
-    for (std::size_t k = 0; k < 4; ++k) {
+    for (std::size_t k = 0; k < 6; ++k) {
       epoch.about_first[k]->batch(times, StateArrays::of_structures(neighbours[k], nullptr));
     }
     for (std::size_t i = 0; i < count; ++i) places[i].by_first = derivative(i);
@@ -202,7 +204,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       inverse_moments_(start.principal_moments.cwiseInverse()),
       start_s_(start_s),
       start_{start.q_inertial_from_body.normalized(), start.momentum_body},
-      difference_rad_(kDifference_rad * std::pow(tolerance, 0.125)) {
+      difference_rad_(kDifference_rad * std::pow(tolerance, 1.0 / 16.0)) {
   static const Grid coarse(kFinest / 2), fine(kFinest);
   whole_ = start_s == end_s;
   if (whole_ || !(start.momentum_body.norm() > 0.0)) return;

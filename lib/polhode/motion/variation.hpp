@@ -64,8 +64,8 @@ class Variation {
     double across_rad_s;
     Vector3 first, second;  ///< unit vectors across the momentum; the rate has no part along `second`
     ThetaMotion free;
-    std::array<ThetaMotion, 4> about_second;                ///< turned at the base about `second`
-    std::array<std::optional<ThetaMotion>, 4> about_first;  ///< only where the rate is parallel to the momentum
+    std::array<ThetaMotion, 6> about_second;                ///< turned at the base about `second`
+    std::array<std::optional<ThetaMotion>, 6> about_first;  ///< only where the rate is parallel to the momentum
   };
   struct Window {
     double first_s, length_s;  // signed length
