@@ -298,9 +298,10 @@ TEST(Variation, FollowsEveryKindOfBodyAtAnyTime) {
       for (const double tolerance : {1e-5, 1e-9}) {
         const TorquedMotion variation(body, torques, {tolerance, std::min(0.0, end_s), std::max(0.0, end_s)});
         EXPECT_EQ(variation.outcome(), Outcome::done) << b.name;
-        // Beside the middle axis a rounding grows a hundred-thousandfold; there extrapolation may have to follow.
-        EXPECT_TRUE(variation.method() == "variation" || b.name == std::string_view("beside the middle axis"))
-            << b.name;
+        // Where small errors grow a hundred-thousandfold extrapolation may have to follow.
+        const std::string_view name = b.name;
+        EXPECT_TRUE(variation.method() == "variation" || name == "beside the middle axis" || name == "dissipation")
+            << name;
         double worst = 0.0;
         for (int i = 0; i <= 200; ++i) {  // between the points, too
           const double t = end_s * i / 200.0, off = distance(variation.at(t), truth.at(t));

@@ -15,14 +15,13 @@ constexpr std::string_view kVariation = "variation";
 constexpr std::string_view kExtrapolationInDouble = "extrapolation-double";
 constexpr std::string_view kExtrapolation = "extrapolation";
 constexpr std::string_view kAuto = "auto";
-constexpr double kLongestTurn_rad = 6.0;    // of one step: about what the kernel and the error estimate are made for
-constexpr double kSafety = 5.0;             // two runs that differ by rounding tell its size no better
-constexpr double kSafetyOfVariation = 1.5;  // which gains more from run to run
+constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel and the error estimate are made for
+constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
 constexpr int kMostRefinements = 8;
 constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
-constexpr double kPhaseOfTolerance_rad = 300.0;
+constexpr double kFirstVariation = 0.3, kPhaseOfTolerance_rad = 300.0;
 constexpr double kFinerVariation = 1.0 / 16.0;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
 // double only, where it is not rounding that keeps two runs apart.
@@ -325,12 +324,12 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     way_ = Builder::way(name);
     double gain = 1.0, looser = 1.0;
     if (way_.variation) {
-      looser = 1.0 / (1.0 + phase_rad / kPhaseOfTolerance_rad);
+      looser = kFirstVariation / (1.0 + phase_rad / kPhaseOfTolerance_rad);
     } else if (way_.scheme == nullptr) {
       gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
       looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;
     }
-    const double goal_rad = gain * options.tolerance_rad / (way_.variation ? kSafetyOfVariation : kSafety);
+    const double goal_rad = gain * options.tolerance_rad / kSafety;
     Path forward, backward;
     bool whole = builder.first_paths(looser * options.tolerance_rad, forward, backward);
     double before_rad = std::numeric_limits<double>::infinity();
