@@ -19,7 +19,7 @@ namespace polhode {
 /// Over an epoch of a turn or two the motion is described by what it differs from one free motion: a rotation vector
 /// and a momentum, both inertial. Without torque they obey linear equations but for terms of second order, whose six
 /// solutions are the derivatives of the exact motion by its constants. The coefficients of these six change by the
-/// torque and by the second order alone: slowly, so that over about a turn, a window, polynomials of degree 16 hold
+/// torque and by the second order alone: slowly, so that over about a turn, a window, polynomials of degree 24 hold
 /// them. Picard's iteration on Chebyshev points finds the polynomials; a sweep costs one torque evaluation per point
 /// and gains a factor of the size of the torque. The polynomials answer at any time of the window.
 class Variation {
