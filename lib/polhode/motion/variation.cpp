@@ -7,7 +7,8 @@
 namespace polhode {
 namespace {
 
-constexpr int kFinest = Variation::kDegree;
+constexpr int kFinest = Variation::kDegree, kPoints = Variation::kPoints;
+constexpr int kTogether = 4;  // points in a register
 // Of neighbours, times the sixteenth root of the tolerance: 1e-3 at 1e-10. Its sixth power and a rounding divided by it
 // are below 1e-12, and runs to two tolerances do not share the error.
 constexpr double kDifference_rad = 4e-3;
@@ -18,8 +19,35 @@ constexpr double kLargestDerivative = 12.0;  // of which the seventh power measu
 constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
 constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
+constexpr double kUnknown = 1e300;
+constexpr double kStiffer = 10.0;                   // the next window than any before
 constexpr double kLeft = 0.3;                       // of a window's share of the tolerance, by the iteration
 constexpr double kMostEvaluationsPerRadian = 70.0;  // beyond which extrapolation is cheaper
+
+/// A number at each point of a window, in order of time. The loops over points are compiled for wider registers as
+/// well, where the processor has them; the bits are the same.
+using AtPoints = double[kPoints];
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define POLHODE_WIDE [[gnu::target_clones("avx2", "default")]]
+#else
+#define POLHODE_WIDE
+#endif
+
+/// Inertial, at one point; as plain as the compiler's vectors want it.
+struct Plain {
+  double x, y, z;
+};
+[[gnu::always_inline]] inline Plain operator+(Plain a, Plain b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+[[gnu::always_inline]] inline Plain operator-(Plain a, Plain b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+[[gnu::always_inline]] inline Plain operator*(double s, Plain a) { return {s * a.x, s * a.y, s * a.z}; }
+[[gnu::always_inline]] inline double dot(Plain a, Plain b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+[[gnu::always_inline]] inline Plain cross(Plain a, Plain b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+[[gnu::always_inline]] inline Plain plain(const Vector3& v) { return {v[0], v[1], v[2]}; }
+[[gnu::always_inline]] inline Plain get(const AtPoints* v, int i) { return {v[0][i], v[1][i], v[2][i]}; }
+[[gnu::always_inline]] inline void put(Plain a, AtPoints* v, int i) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
 
 /// Point i of the Chebyshev grid of degree n on (-1, 1), ascending.
 double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n); }
@@ -29,7 +57,7 @@ double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n
 /// Math. 2, 197, 1960). Row j is what the value at point j contributes.
 struct Grid {
   int degree, stride;  // stride in points of the finest grid
-  double interpolation[kFinest + 1][kFinest + 2] = {}, integral[kFinest + 1][kFinest + 2] = {};
+  double interpolation[kFinest + 1][kPoints] = {}, integral[kFinest + 1][kPoints] = {};
   double coefficients[kFinest + 1][4] = {};  // of degree n/2, n/2 + 1, n - 1, n
 
   explicit Grid(int n) : degree(n), stride(kFinest / n) {
@@ -56,6 +84,18 @@ struct Grid {
   }
 };
 
+/// to += the values at the points of a grid times the rows of a matrix.
+POLHODE_WIDE void add_products(const double* values, int stride, int rows, const double (*matrix)[kPoints], double by,
+                               double* to) {
+  double sum[kPoints];
+  for (int i = 0; i < kPoints; ++i) sum[i] = values[0] * matrix[0][i];
+  for (int j = 1; j < rows; ++j) {
+    const double value = values[j * stride];
+    for (int i = 0; i < kPoints; ++i) sum[i] += value * matrix[j][i];
+  }
+  for (int i = 0; i < kPoints; ++i) to[i] += by * sum[i];
+}
+
 /// q turned about an inertial axis.
 Quaternion turned(const Vector3& rotation_vector, const Quaternion& q) {
   const double half = 0.5 * rotation_vector.norm();
@@ -64,21 +104,50 @@ Quaternion turned(const Vector3& rotation_vector, const Quaternion& q) {
   return Quaternion(std::cos(half), v[0], v[1], v[2]) * q;
 }
 
-/// The rotation vector, inertial, that turns b into a.
-Vector3 rotation_vector(const Quaternion& a, const Quaternion& b) {
-  const Quaternion d = a * b.conjugate();
-  const double sine = d.vec().norm();
-  if (sine == 0.0) return Vector3::Zero();
-  return std::copysign(2.0 * std::atan2(sine, std::abs(d.w())) / sine, d.w()) * d.vec();
-}
-
 ThetaMotion neighbour(const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
                       const Vector3& rotation_vector) {
   const Quaternion start = turned(rotation_vector, q);
   return ThetaMotion({moments, start, start.conjugate() * momentum_inertial}, ThetaMotion::Span::step);
 }
 
+std::array<ThetaMotion, 6> neighbours(const Vector3& moments, const Quaternion& q, const Vector3& momentum,
+                                      const Vector3& rotation_vector) {
+  const auto turned_by = [&](int i) { return neighbour(moments, q, momentum, kTurns[i] * rotation_vector); };
+  return {turned_by(0), turned_by(1), turned_by(2), turned_by(3), turned_by(4), turned_by(5)};
+}
+
+/// to += weight times the small rotation vector that turns b into a.
+POLHODE_WIDE void add_rotation_vectors(const AtPoints* a, const AtPoints* b, double weight, int count, AtPoints* to) {
+  for (int i = 0; i < count; ++i) {
+    const Plain va = get(a + 1, i), vb = get(b + 1, i);
+    const double w = a[0][i] * b[0][i] + dot(va, vb);
+    const Plain v = b[0][i] * va - a[0][i] * vb - cross(va, vb);
+    const double s = dot(v, v);  // of the sine of half the angle; asin(x)/x to its 10th power
+    const double ratio = 1.0 + s * (1.0 / 6 + s * (3.0 / 40 + s * (5.0 / 112 + s * (35.0 / 1152 + s * (63.0 / 2816)))));
+    put(get(to, i) + (std::copysign(2.0, w) * weight * ratio) * v, to, i);
+  }
+}
+
 }  // namespace
+
+namespace variation {
+
+/// Times, and what the free motion and its derivatives are there; all inertial.
+struct Places {
+  AtPoints since_base_s;
+  AtPoints q[4];
+  AtPoints omega[3], by_first[3], by_second[3];
+  AtPoints inverse_inertia[6];  // 11, 22, 33, 23, 31, 12
+  AtPoints inverse[3][3];       // of (along, by_first, by_second)
+};
+
+/// What the body feels at the points of a window, inertial.
+struct Felt {
+  AtPoints torque[3] = {};
+  AtPoints relaxation[3] = {};  // what internal dissipation adds to the rate
+};
+
+}  // namespace variation
 
 Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
                         double difference_rad)
@@ -92,109 +161,154 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
                                                : along.unitOrthogonal()),
       second(along.cross(first)),
       free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step),
-      about_second{neighbour(moments, q, momentum, kTurns[0] * difference_rad * second),
-                   neighbour(moments, q, momentum, kTurns[1] * difference_rad * second),
-                   neighbour(moments, q, momentum, kTurns[2] * difference_rad * second),
-                   neighbour(moments, q, momentum, kTurns[3] * difference_rad * second),
-                   neighbour(moments, q, momentum, kTurns[4] * difference_rad * second),
-                   neighbour(moments, q, momentum, kTurns[5] * difference_rad * second)} {
+      about_second(neighbours(moments, q, momentum, difference_rad * second)) {
   if (across_rad_s > 1e-4 * omega.norm()) return;
-  for (std::size_t k = 0; k < about_first.size(); ++k) {
-    const Quaternion start = turned(kTurns[k] * difference_rad * first, q);
-    about_first[k].emplace(FreeBody{moments, start, start.conjugate() * momentum}, ThetaMotion::Span::step);
+  about_first.reset(new Neighbours(neighbours(moments, q, momentum, difference_rad * first)));
+}
+
+namespace {
+
+POLHODE_WIDE void find_inertia(const AtPoints* q, Plain inverse_moments, Plain momentum, int count, AtPoints* inverse,
+                               AtPoints* omega) {
+  for (int i = 0; i < count; ++i) {
+    const double w = q[0][i], x = q[1][i], y = q[2][i], z = q[3][i];
+    const Plain e1{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)};
+    const Plain e2{2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)};
+    const Plain e3{2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)};
+    const Plain f1 = inverse_moments.x * e1, f2 = inverse_moments.y * e2, f3 = inverse_moments.z * e3;
+    inverse[0][i] = e1.x * f1.x + e2.x * f2.x + e3.x * f3.x;
+    inverse[1][i] = e1.y * f1.y + e2.y * f2.y + e3.y * f3.y;
+    inverse[2][i] = e1.z * f1.z + e2.z * f2.z + e3.z * f3.z;
+    inverse[3][i] = e1.y * f1.z + e2.y * f2.z + e3.y * f3.z;
+    inverse[4][i] = e1.z * f1.x + e2.z * f2.x + e3.z * f3.x;
+    inverse[5][i] = e1.x * f1.y + e2.x * f2.y + e3.x * f3.y;
+    put(dot(f1, momentum) * e1 + dot(f2, momentum) * e2 + dot(f3, momentum) * e3, omega, i);
   }
 }
 
-/// A time, and what the free motion and its derivatives are there.
-struct Variation::Place {
-  double since_base_s;
-  Quaternion q;
-  Matrix3 rotation;
-  Vector3 omega, by_first, by_second;  // inertial
-  Matrix3 inverse;                     // of (along, by_first, by_second)
-  Torques::Surroundings<double> surroundings;
+POLHODE_WIDE void find_first(const AtPoints* omega, Plain middle, double across, int count, AtPoints* by_first) {
+  for (int i = 0; i < count; ++i) put((1.0 / across) * (get(omega, i) - middle), by_first, i);
+}
 
-  struct Deviation {
-    Vector3 momentum, angle;
-  };
-  Deviation deviation(const Epoch& epoch, const Coefficients& y) const {
-    const Vector3 mu = y.head<3>() / epoch.magnitude;
-    return {y.head<3>(), epoch.along.cross(mu) + (epoch.along.dot(mu) * since_base_s) * omega + y[3] * epoch.along +
-                             y[4] * by_first + y[5] * by_second};
+POLHODE_WIDE void invert(Plain along, const AtPoints* by_first, const AtPoints* by_second, int count,
+                         AtPoints (*inverse)[3]) {
+  for (int i = 0; i < count; ++i) {
+    const Plain a = get(by_first, i), b = get(by_second, i);
+    const Plain ab = cross(a, b);
+    const double reciprocal = 1.0 / dot(along, ab);
+    put(reciprocal * ab, inverse[0], i);
+    put(reciprocal * cross(b, along), inverse[1], i);
+    put(reciprocal * cross(along, a), inverse[2], i);
   }
-  FreeState state(const Epoch& epoch, const Coefficients& y) const {
-    const Deviation d = deviation(epoch, y);
-    const Vector3 half = 0.5 * d.angle;
-    FreeState s;
-    s.q_inertial_from_body =
-        (Quaternion(std::sqrt(1.0 - half.squaredNorm()), half[0], half[1], half[2]) * q).normalized();
-    s.momentum_body = s.q_inertial_from_body.conjugate() * Vector3(epoch.momentum + d.momentum);
-    return s;
-  }
-};
+}
 
-void Variation::find_places(const Epoch& epoch, std::span<const double> since_base_s, Place* places) const {
-  const std::size_t count = since_base_s.size();
-  double m[3 * (kDegree + 1)], q[4 * (kDegree + 1)], neighbours[6][4 * (kDegree + 1)];
-  const TimeArrays times{since_base_s};
-  const auto quaternion = [](const double* a, std::size_t i) {
-    return Quaternion(a[4 * i], a[4 * i + 1], a[4 * i + 2], a[4 * i + 3]);
+}  // namespace
+
+void Variation::find_places(const Epoch& epoch, int count, variation::Places& p) const {
+  const int padded = (count + kTogether - 1) / kTogether * kTogether;
+  std::fill(p.since_base_s + count, p.since_base_s + padded, p.since_base_s[count - 1]);
+  const TimeArrays times{{p.since_base_s, static_cast<std::size_t>(padded)}};
+  const auto attitudes = [&](const ThetaMotion& motion, AtPoints* q) {
+    StateArrays out;
+    for (int k = 0; k < 4; ++k) out.q[k] = q[k];
+    out.q_stride = 1;
+    motion.batch(times, out);
   };
-  epoch.free.batch(times, StateArrays::of_structures(q, m));
-  for (std::size_t k = 0; k < 6; ++k) {
-    epoch.about_second[k].batch(times, StateArrays::of_structures(neighbours[k], nullptr));
-  }
-  const auto derivative = [&](std::size_t i) -> Vector3 {
-    const auto apart = [&](int plus, int minus) {
-      return rotation_vector(quaternion(neighbours[plus], i), quaternion(neighbours[minus], i));
-    };
-    return (45.0 * apart(3, 2) - 9.0 * apart(4, 1) + apart(5, 0)) / (60.0 * difference_rad_);
-  };
-  for (std::size_t i = 0; i < count; ++i) {
-    Place& p = places[i];
-    p.since_base_s = since_base_s[i];
-    p.q = quaternion(q, i);
-    p.rotation = p.q.toRotationMatrix();
-    p.omega = p.rotation * Vector3(m[3 * i], m[3 * i + 1], m[3 * i + 2]).cwiseProduct(inverse_moments_);
-    p.by_second = derivative(i);
-    // A turn by the rate across the momentum is a shift in time and a turn about the momentum.
-    p.by_first = (p.omega - epoch.omega.dot(epoch.along) * epoch.along) / epoch.across_rad_s;
-  }
-  if (epoch.about_first[0]) {
-    for (std::size_t k = 0; k < 6; ++k) {
-      epoch.about_first[k]->batch(times, StateArrays::of_structures(neighbours[k], nullptr));
+  const auto derivative = [&](const Epoch::Neighbours& turned, AtPoints* to) {
+    constexpr double weights[] = {45.0, -9.0, 1.0};
+    for (int k = 0; k < 3; ++k) std::fill(to[k], to[k] + padded, 0.0);
+    for (std::size_t n = 0; n < 3; ++n) {
+      AtPoints plus[4], minus[4];
+      attitudes(turned[3 + n], plus);
+      attitudes(turned[2 - n], minus);
+      add_rotation_vectors(plus, minus, weights[n] / (60.0 * difference_rad_), padded, to);
     }
-    for (std::size_t i = 0; i < count; ++i) places[i].by_first = derivative(i);
+  };
+  attitudes(epoch.free, p.q);
+  find_inertia(p.q, plain(inverse_moments_), plain(epoch.momentum), padded, p.inverse_inertia, p.omega);
+  derivative(epoch.about_second, p.by_second);
+  if (epoch.about_first != nullptr) {
+    derivative(*epoch.about_first, p.by_first);
+  } else {
+    // A turn by the rate across the momentum is a shift in time and a turn about the momentum.
+    find_first(p.omega, plain(epoch.omega.dot(epoch.along) * epoch.along), epoch.across_rad_s, padded, p.by_first);
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    Matrix3 basis;
-    basis << epoch.along, places[i].by_first, places[i].by_second;
-    places[i].inverse = basis.inverse();
+  invert(plain(epoch.along), p.by_first, p.by_second, padded, p.inverse);
+}
+
+namespace {
+
+/// The rotation vector of the deviation at a point.
+[[gnu::always_inline]] inline Plain angle(const variation::Places& p, int i, Plain along, Plain mu, const double* a) {
+  return cross(along, mu) + (dot(along, mu) * p.since_base_s[i]) * get(p.omega, i) + a[0] * along +
+         a[1] * get(p.by_first, i) + a[2] * get(p.by_second, i);
+}
+
+/// The rates of the coefficients y at the points (variation.md, "The equations of what differs"), free of differences
+/// between near numbers.
+POLHODE_WIDE void find_rates(const variation::Places& p, const variation::Felt& felt, Plain along, double magnitude,
+                             const double (*y)[kPoints], double (*__restrict rates)[kPoints]) {
+  const double reciprocal = 1.0 / magnitude;
+  for (int i = 0; i < kPoints; ++i) {
+    const Plain mu = reciprocal * Plain{y[0][i], y[1][i], y[2][i]};  // all momenta in units of the free motion's
+    const double a[3] = {y[3][i], y[4][i], y[5][i]};
+    const Plain theta = angle(p, i, along, mu, a);
+    const double s = 0.25 * dot(theta, theta);
+    const double c = std::sqrt(std::abs(1.0 - s)), less = s / (1.0 + c);  // 1 - c
+    const auto inverse_inertia = [&p, i, magnitude ](Plain v) __attribute__((always_inline)) {
+      const AtPoints* j = p.inverse_inertia;
+      return magnitude * Plain{j[0][i] * v.x + j[5][i] * v.y + j[4][i] * v.z,
+                               j[5][i] * v.x + j[1][i] * v.y + j[3][i] * v.z,
+                               j[4][i] * v.x + j[3][i] * v.y + j[2][i] * v.z};
+    };
+    // The momentum turned back, less the free motion's; `second` is its part of second order.
+    const Plain turned = cross(theta, along), turned_mu = cross(theta, mu);
+    const Plain second = less * turned - c * turned_mu + 0.5 * cross(theta, turned + turned_mu);
+    const Plain momentum = mu - turned + second;
+    // N, and the rate less the free motion's.
+    const Plain omega = get(p.omega, i), rate = inverse_inertia(momentum);
+    const Plain relaxation = get(felt.relaxation, i);
+    const Plain turned_omega = cross(theta, omega), turned_rate = cross(theta, rate);
+    const Plain twice = cross(theta, turned_omega + turned_rate);
+    const Plain more = rate + c * (turned_omega + turned_rate) + 0.5 * twice + relaxation;
+    const Plain n = inverse_inertia(second) - less * rate - s * turned_omega + (c * c) * turned_rate +
+                    (0.5 * c) * twice + c * relaxation + 0.5 * cross(more, theta);
+    const Plain torque = get(felt.torque, i), relative = reciprocal * torque;
+    const Plain rest = n - cross(along, relative) - (dot(along, relative) * p.since_base_s[i]) * omega;
+    rates[0][i] = torque.x;
+    rates[1][i] = torque.y;
+    rates[2][i] = torque.z;
+    rates[3][i] = dot(get(p.inverse[0], i), rest);
+    rates[4][i] = dot(get(p.inverse[1], i), rest);
+    rates[5][i] = dot(get(p.inverse[2], i), rest);
   }
 }
 
-Variation::Coefficients Variation::rate(const Epoch& epoch, const Place& p, const Coefficients& y) {
+}  // namespace
+
+FreeState Variation::state(const Epoch& epoch, const variation::Places& p, int i, const Coefficients& y) const {
+  const Plain theta = angle(p, i, plain(epoch.along), (1.0 / epoch.magnitude) * Plain{y[0], y[1], y[2]}, &y[3]);
+  const double s = 0.25 * dot(theta, theta);
+  FreeState state;
+  state.q_inertial_from_body = (Quaternion(std::sqrt(1.0 - s), 0.5 * theta.x, 0.5 * theta.y, 0.5 * theta.z) *
+                                Quaternion(p.q[0][i], p.q[1][i], p.q[2][i], p.q[3][i]))
+                                   .normalized();
+  state.momentum_body = state.q_inertial_from_body.conjugate() * Vector3(epoch.momentum + y.head<3>());
+  return state;
+}
+
+void Variation::feel(const Epoch& epoch, const variation::Places& p, int i, const Coefficients& y,
+                     const Torques::Surroundings<double>& surroundings, Vector3& torque, Vector3& relaxation) {
   ++evaluations_;
-  const Place::Deviation d = p.deviation(epoch, y);
-  const Vector3 half = 0.5 * d.angle;
-  const double scalar = std::sqrt(std::max(0.0, 1.0 - half.squaredNorm()));
-  const Quaternion q = Quaternion(scalar, half[0], half[1], half[2]) * p.q;
-  const Matrix3 rotation = q.toRotationMatrix();
-  const Vector3 m = rotation.transpose() * (epoch.momentum + d.momentum);
-  const Vector3 omega_body = m.cwiseProduct(inverse_moments_);
-  const TorqueTerms<double> terms = torques_.at(p.surroundings, rotation, moments_);
-  const Vector3 torque = rotation * terms.torque(omega_body);
-  const Vector3 omega = rotation * (omega_body + terms.relaxation * m.cross(omega_body));
-  // Exact; of it the linear part in the deviation is what the six solutions obey already.
-  const Vector3 angle_rate = scalar * (omega - p.omega) + (omega + p.omega).cross(half);
-  const Vector3 felt = d.momentum + epoch.momentum.cross(d.angle);
-  const Vector3 linear = p.rotation * (p.rotation.transpose() * felt).cwiseProduct(inverse_moments_);
-  const Vector3 relative = torque / epoch.magnitude;
-  const Vector3 rest =
-      angle_rate - linear - epoch.along.cross(relative) - (epoch.along.dot(relative) * p.since_base_s) * p.omega;
-  Coefficients result;
-  result << torque, p.inverse * rest;
-  return result;
+  const Plain theta = angle(p, i, plain(epoch.along), (1.0 / epoch.magnitude) * Plain{y[0], y[1], y[2]}, &y[3]);
+  const double s = 0.25 * dot(theta, theta);
+  const Quaternion e(std::sqrt(std::max(0.0, 1.0 - s)), 0.5 * theta.x, 0.5 * theta.y, 0.5 * theta.z);
+  const Matrix3 rotation = (e * Quaternion(p.q[0][i], p.q[1][i], p.q[2][i], p.q[3][i])).toRotationMatrix();
+  const Vector3 m = rotation.transpose() * (epoch.momentum + y.head<3>());
+  const Vector3 omega = m.cwiseProduct(inverse_moments_);
+  const TorqueTerms<double> terms = torques_.at(surroundings, rotation, moments_);
+  torque = rotation * terms.torque(omega);
+  if (terms.relaxation != 0.0) relaxation = rotation * (terms.relaxation * m.cross(omega));
 }
 
 Variation::Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
@@ -213,8 +327,12 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
   epochs_.emplace_back(start_s, moments_, start_.q_inertial_from_body, momentum, difference_rad_);
   Coefficients y = Coefficients::Zero();
   double t = start_s, wanted_rad = 4.0;
+  double stiffness = kUnknown;
+  variation::Places places;
+  std::array<Torques::Surroundings<double>, kDegree + 1> surroundings;
   while (t != end_s) {
     const Epoch& epoch = epochs_.back();
+    const Plain along = plain(epoch.along);
     const double rate_rad_s = epoch.omega.norm();
     const double remaining_s = std::abs(end_s - t);
     double length_s = std::min(wanted_rad / rate_rad_s, kTimeScaleShare * torques_.time_scale_s(t));
@@ -232,46 +350,77 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       return c.tail<3>().cwiseAbs().maxCoeff() + c.head<3>().cwiseAbs().maxCoeff() / epoch.magnitude * weight;
     };
 
-    std::array<double, kDegree + 1> since_base_s{};
     for (int i = 0; i <= kDegree; ++i) {
-      since_base_s[i] = (t - epoch.base_s) + half_s * (1.0 + chebyshev_point(i, kDegree));
+      places.since_base_s[i] = (t - epoch.base_s) + half_s * (1.0 + chebyshev_point(i, kDegree));
     }
-    std::array<Place, kDegree + 1> places;
-    find_places(epoch, since_base_s, places.data());
-    for (Place& place : places) place.surroundings = torques_.surroundings(epoch.base_s + place.since_base_s);
-    Values values = y.replicate<1, kDegree + 2>(), rates = Values::Zero();
-    bool first_rate_known = false;
-    // Takes the rates at the grid's points anew; returns how far the values moved.
+    find_places(epoch, kDegree + 1, places);
+    std::array<bool, kDegree + 1> surrounded{};
+    const Values start_values = y.replicate<1, kPoints>();
+    Values values = start_values, rates;
+    variation::Felt felt;
+    bool first_is_known = false;
+    // Takes the torque at the grid's points anew, then the rates at all points; returns how far the values moved.
     const auto sweep = [&](const Grid& grid) {
-      double change[kDegree + 1][6] = {};
-      for (int j = first_rate_known ? 1 : 0; j <= grid.degree; ++j) {
+      AtPoints change[6] = {};
+      bool relaxes = false;
+      for (int j = first_is_known ? 1 : 0; j <= grid.degree; ++j) {
         const int i = j * grid.stride;
-        const Coefficients now = rate(epoch, places[static_cast<std::size_t>(i)], values.col(i));
-        for (int k = 0; k < 6; ++k) change[j][k] = now[k] - rates(k, i);
-      }
-      first_rate_known = true;  // the values there stay
-      Values moved = Values::Zero();
-      for (int k = 0; k < 6; ++k) {
-        double* const to = &moved(k, 0);
-        double* const rate_to = &rates(k, 0);
-        for (int j = 0; j <= grid.degree; ++j) {
-          const double by = half_s * change[j][k];
-          for (int i = 0; i < kDegree + 2; ++i) to[i] += by * grid.integral[j][i];
+        auto& around = surroundings[static_cast<std::size_t>(i)];
+        if (!surrounded[static_cast<std::size_t>(i)]) {
+          around = torques_.surroundings(epoch.base_s + places.since_base_s[i]);
+          surrounded[static_cast<std::size_t>(i)] = true;
         }
-        if (grid.stride == 1) {
-          for (int j = 0; j <= grid.degree; ++j) rate_to[j] += change[j][k];
-        } else {
-          for (int j = 0; j <= grid.degree; ++j) {
-            for (int i = 0; i < kDegree + 2; ++i) rate_to[i] += change[j][k] * grid.interpolation[j][i];
-          }
+        Vector3 torque = Vector3::Zero(), relaxation = Vector3::Zero();
+        feel(epoch, places, i, values.col(i), around, torque, relaxation);
+        for (int k = 0; k < 3; ++k) {
+          change[k][i] = torque[k] - felt.torque[k][i];
+          change[3 + k][i] = relaxation[k] - felt.relaxation[k][i];
+          relaxes = relaxes || change[3 + k][i] != 0.0;
         }
       }
-      values += moved;
-      double most = 0.0;
-      for (int i = 1; i <= kDegree; ++i) most = std::max(most, size(moved.col(i)));
-      return most;
+      first_is_known = true;  // the values there stay
+      for (int k = 0; k < (relaxes ? 6 : 3); ++k) {
+        AtPoints& to = k < 3 ? felt.torque[k] : felt.relaxation[k - 3];
+        add_products(change[k], grid.stride, grid.degree + 1, grid.interpolation, 1.0, to);
+      }
+      const auto rows = [](Values& v) { return reinterpret_cast<double(*)[kPoints]>(v.data()); };
+      Values moved = -values;
+      double last = 0.0;
+      for (int following = 0; following < 2 && !(last <= kLeft * allowed && following > 0); ++following) {
+        find_rates(places, felt, along, epoch.magnitude, rows(values), rows(rates));
+        values = start_values;
+        for (int k = 0; k < 6; ++k) add_products(&rates(k, 0), 1, kDegree + 1, fine.integral, half_s, &values(k, 0));
+        last = size((moved + values).cwiseAbs().rowwise().maxCoeff());
+      }
+      moved += values;
+      return size(moved.cwiseAbs().rowwise().maxCoeff());
     };
-    double before = sweep(coarse), moved = sweep(fine);
+    double before = 0.0, moved = sweep(coarse);
+    // What is beyond degree n integrates to less by n^2 at the end, where errors go on, and by 2n between the points.
+    const auto truncation_of = [&](double last_coefficient, int n) {
+      const double tail = std::abs(half_s) * last_coefficient;
+      return std::max(tail / (n * n) / allowed, tail / (2 * n) / weight / tolerance);
+    };
+    double last_torque = 0.0;
+    for (const AtPoints& torque : felt.torque) {
+      double last[2] = {};
+      for (int j = 0; j <= coarse.degree; ++j) {
+        for (int k = 0; k < 2; ++k) last[k] += coarse.coefficients[j][2 + k] * torque[j * coarse.stride];
+      }
+      last_torque = std::max({last_torque, std::abs(last[0]), std::abs(last[1])});
+    }
+    const bool coarse_resolves = truncation_of(last_torque / epoch.magnitude * (1.0 + weight), coarse.degree) <= 1.0;
+    int sweeps = 1;
+    // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
+    const auto left = [&] {
+      return moved * std::min(1.0, sweeps == 1 ? kStiffer * stiffness * moved / weight : moved / before);
+    };
+    double missed_by_coarse = 0.0;
+    if (!coarse_resolves) {
+      before = moved;
+      moved = sweep(fine);
+      ++sweeps;
+    }
     std::array<Coefficients, 4> spectrum;
     spectrum.fill(Coefficients::Zero());
     double largest = 0.0;
@@ -279,16 +428,19 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       for (std::size_t k = 0; k < 4; ++k) spectrum[k] += fine.coefficients[j][k] * rates.col(j);
       largest = std::max(largest, size(rates.col(j)));
     }
-    // What is beyond degree n integrates to less by n^2 at the end, where errors go on, and by 2n between the points.
-    const double tail = std::abs(half_s) * std::max(size(spectrum[2]), size(spectrum[3]));
-    const double truncation = std::max(tail / (kDegree * kDegree) / allowed, tail / (2 * kDegree) / weight / tolerance);
-    const double missed_by_coarse = 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
-    // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
-    const auto left = [&] { return moved * std::min(1.0, moved / before); };
-    for (int sweeps = 2; left() > kLeft * allowed && sweeps < kMostSweeps && moved < 0.5 * before; ++sweeps) {
+    if (!coarse_resolves) missed_by_coarse = 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
+    const double truncation = truncation_of(std::max(size(spectrum[2]), size(spectrum[3])), kDegree);
+    for (; left() > kLeft * allowed && sweeps < kMostSweeps && (sweeps == 1 || moved < 0.5 * before); ++sweeps) {
       const bool coarse_will_do = left() * std::max(missed_by_coarse, moved / before) <= kLeft * allowed;
-      before = moved;
-      moved = sweep(coarse_will_do ? coarse : fine);
+      if (sweeps == 1 || coarse_will_do) {
+        before = moved;
+        moved = sweep(coarse);
+      } else {
+        before = moved;
+        moved = sweep(fine);
+      }
+      if (sweeps == 1)
+        stiffness = std::max(stiffness == kUnknown ? 0.0 : stiffness, moved / before / (before / weight));
     }
     const bool converged = left() <= kLeft * allowed;
     const bool good = converged && truncation <= 1.0;
@@ -305,12 +457,14 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     windows_.push_back({t, to_s - t, epochs_.size() - 1, values});
     t = to_s;
     y = values.col(kDegree);
-    const Place& end = places[kDegree];
-    const Place::Deviation d = end.deviation(epoch, y);
-    if (d.angle.norm() > kLargestDeviation_rad || std::abs(end.since_base_s) * rate_rad_s > kLongestEpoch_rad ||
-        std::max(end.by_first.norm(), end.by_second.norm()) > kLargestDerivative) {
-      const Quaternion q = end.state(epoch, y).q_inertial_from_body;
-      epochs_.emplace_back(t, moments_, q, epoch.momentum + d.momentum, difference_rad_);
+    const Plain mu = (1.0 / epoch.magnitude) * Plain{y[0], y[1], y[2]};
+    const Plain theta = angle(places, kDegree, along, mu, &y[3]);
+    const auto length = [](Plain v) { return std::sqrt(dot(v, v)); };
+    if (length(theta) > kLargestDeviation_rad ||
+        std::abs(places.since_base_s[kDegree]) * rate_rad_s > kLongestEpoch_rad ||
+        std::max(length(get(places.by_first, kDegree)), length(get(places.by_second, kDegree))) > kLargestDerivative) {
+      const Quaternion q = state(epoch, places, kDegree, y).q_inertial_from_body;
+      epochs_.emplace_back(t, moments_, q, epoch.momentum + y.head<3>(), difference_rad_);
       y.setZero();
     }
   }
@@ -340,10 +494,10 @@ FreeState Variation::at(double t_high_s, double t_low_s) const {
     weights += weight;
   }
   const Epoch& epoch = epochs_[window.epoch];
-  const std::array<double, 1> since_base_s{(t_high_s - epoch.base_s) + t_low_s};
-  Place place;
-  find_places(epoch, since_base_s, &place);
-  return place.state(epoch, sum / weights);
+  variation::Places place;
+  place.since_base_s[0] = (t_high_s - epoch.base_s) + t_low_s;
+  find_places(epoch, 1, place);
+  return state(epoch, place, 0, sum / weights);
 }
 
 }  // namespace polhode

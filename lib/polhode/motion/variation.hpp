@@ -3,8 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <deque>
-#include <optional>
-#include <span>
+#include <memory>
 #include <vector>
 
 #include "polhode/motion/motion.hpp"
@@ -12,6 +11,10 @@
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
+
+namespace variation {
+struct Places;
+}
 
 /// Variation of constants around the exact free motion, for torques that are small beside the inertia forces
 /// (variation.md).
@@ -24,7 +27,8 @@ namespace polhode {
 /// and gains a factor of the size of the torque. The polynomials answer at any time of the window.
 class Variation {
  public:
-  static constexpr int kDegree = 24;  ///< of the polynomials
+  static constexpr int kDegree = 24;           ///< of the polynomials
+  static constexpr int kPoints = kDegree + 4;  ///< of a window, and a few more, to make a whole number of registers
 
   /// From `start` at start_s to end_s, either direction. `tolerance` is the wanted error of the six coefficients at the
   /// end, in radians, or relative to the momentum; a window may take the root of its part of the span, since errors of
@@ -47,15 +51,17 @@ class Variation {
   }
 
  private:
-  /// Momentum deviation (3, inertial), and the coefficients of Place::along, by_first, by_second.
+  /// Momentum deviation (3, inertial), and the coefficients of the unit vector along the momentum and of
+  /// Places::by_first, by_second.
   using Coefficients = Eigen::Matrix<double, 6, 1>;
-  /// Coefficient by point of a window, in order of time; one more than there are, for even vectors.
-  using Values = Eigen::Matrix<double, 6, kDegree + 2, Eigen::RowMajor>;
+  /// Coefficient by point of a window, in order of time.
+  using Values = Eigen::Matrix<double, 6, kPoints, Eigen::RowMajor>;
 
   /// One free motion, and neighbours that give its derivatives by the initial attitude.
   struct Epoch {
     Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
           double difference_rad);
+    using Neighbours = std::array<ThetaMotion, 6>;
     double base_s;
     Vector3 momentum;  ///< inertial
     double magnitude;  ///< of the momentum
@@ -64,18 +70,21 @@ class Variation {
     double across_rad_s;
     Vector3 first, second;  ///< unit vectors across the momentum; the rate has no part along `second`
     ThetaMotion free;
-    std::array<ThetaMotion, 6> about_second;                ///< turned at the base about `second`
-    std::array<std::optional<ThetaMotion>, 6> about_first;  ///< only where the rate is parallel to the momentum
+    Neighbours about_second;                        ///< turned at the base about `second`
+    std::unique_ptr<const Neighbours> about_first;  ///< only where the rate is parallel to the momentum
   };
   struct Window {
     double first_s, length_s;  // signed length
     std::size_t epoch;
     Values coefficients;
   };
-  struct Place;
 
-  void find_places(const Epoch& epoch, std::span<const double> since_base_s, Place* places) const;
-  Coefficients rate(const Epoch& epoch, const Place& place, const Coefficients& y);
+  /// For the first `count` of places.since_base_s.
+  void find_places(const Epoch& epoch, int count, variation::Places& places) const;
+  FreeState state(const Epoch& epoch, const variation::Places& places, int i, const Coefficients& y) const;
+  /// The torque at one point; counts.
+  void feel(const Epoch& epoch, const variation::Places& places, int i, const Coefficients& y,
+            const Torques::Surroundings<double>& surroundings, Vector3& torque, Vector3& relaxation);
 
   Torques torques_;
   Vector3 moments_, inverse_moments_;
