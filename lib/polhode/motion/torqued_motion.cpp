@@ -21,7 +21,7 @@ constexpr int kMostRefinements = 8;
 constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
-constexpr double kFirstVariation = 0.3, kPhaseOfTolerance_rad = 300.0;
+constexpr double kPhaseOfTolerance_rad = 40.0;
 constexpr double kFinerVariation = 1.0 / 16.0;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
 // double only, where it is not rounding that keeps two runs apart.
@@ -324,7 +324,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     way_ = Builder::way(name);
     double gain = 1.0, looser = 1.0;
     if (way_.variation) {
-      looser = kFirstVariation / (1.0 + phase_rad / kPhaseOfTolerance_rad);
+      looser = 1.0 / (1.0 + phase_rad / kPhaseOfTolerance_rad);
     } else if (way_.scheme == nullptr) {
       gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
       looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;

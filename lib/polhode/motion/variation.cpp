@@ -16,9 +16,12 @@ constexpr double kTurns[] = {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0};  // of neighbours
 constexpr double kLongestEpoch_rad = 10.0;                      // after which the derivatives lose digits
 constexpr double kLargestDeviation_rad = 0.02;                  // whose square goes into the polynomials
 constexpr double kLargestDerivative = 12.0;  // of which the seventh power measures the error of the derivatives
-constexpr double kLongestWindow_rad = 14.0, kShortestWindow_rad = 0.02;
-constexpr double kTimeScaleShare = 0.7;  // of a window in r/v: an encounter is never stepped over
+constexpr double kShortestWindow_rad = 0.02;
+// Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
+constexpr double kLongestWindow_rad = 20.0;
+constexpr double kTimeScaleShare = 1.1;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
+constexpr double kDecayed = 0.03;  // coefficients that tell of those that follow
 constexpr double kUnknown = 1e300;
 constexpr double kStiffer = 10.0;                   // the next window than any before
 constexpr double kLeft = 0.3;                       // of a window's share of the tolerance, by the iteration
@@ -328,6 +331,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
   Coefficients y = Coefficients::Zero();
   double t = start_s, wanted_rad = 4.0;
   double stiffness = kUnknown;
+  const double shorter = std::pow(std::min(tolerance, 1e-5), 1.0 / 40.0);
   variation::Places places;
   std::array<Torques::Surroundings<double>, kDegree + 1> surroundings;
   while (t != end_s) {
@@ -335,7 +339,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     const Plain along = plain(epoch.along);
     const double rate_rad_s = epoch.omega.norm();
     const double remaining_s = std::abs(end_s - t);
-    double length_s = std::min(wanted_rad / rate_rad_s, kTimeScaleShare * torques_.time_scale_s(t));
+    double length_s = std::min(wanted_rad / rate_rad_s, shorter * kTimeScaleShare * torques_.time_scale_s(t));
     if (length_s > 0.999 * remaining_s) {
       length_s = remaining_s;
     } else if (length_s > 0.5 * remaining_s) {
@@ -401,15 +405,18 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       const double tail = std::abs(half_s) * last_coefficient;
       return std::max(tail / (n * n) / allowed, tail / (2 * n) / weight / tolerance);
     };
-    double last_torque = 0.0;
+    double last_torque = 0.0, largest_torque = 0.0;
     for (const AtPoints& torque : felt.torque) {
       double last[2] = {};
       for (int j = 0; j <= coarse.degree; ++j) {
-        for (int k = 0; k < 2; ++k) last[k] += coarse.coefficients[j][2 + k] * torque[j * coarse.stride];
+        const double here = torque[j * coarse.stride];
+        for (int k = 0; k < 2; ++k) last[k] += coarse.coefficients[j][2 + k] * here;
+        largest_torque = std::max(largest_torque, std::abs(here));
       }
       last_torque = std::max({last_torque, std::abs(last[0]), std::abs(last[1])});
     }
-    const bool coarse_resolves = truncation_of(last_torque / epoch.magnitude * (1.0 + weight), coarse.degree) <= 1.0;
+    const bool coarse_resolves = last_torque <= kDecayed * largest_torque &&
+                                 truncation_of(last_torque / epoch.magnitude * (1.0 + weight), coarse.degree) <= 1.0;
     int sweeps = 1;
     // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
     const auto left = [&] {
@@ -448,7 +455,8 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     if (converged && std::isfinite(truncation)) {
       factor = 0.9 * std::pow(std::max(truncation, 1e-300), -1.0 / kDegree);
     }
-    wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), kLongestWindow_rad);
+    wanted_rad =
+        std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), shorter * kLongestWindow_rad);
     if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
         static_cast<double>(evaluations_) > 1000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
       return;
