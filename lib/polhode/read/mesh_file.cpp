@@ -220,11 +220,8 @@ class PlyBody {
 
   double take(PlyType type) {
     if (format_ == Format::ascii) {
-      const std::size_t first = text_.find_first_not_of(" \t\r\n");
-      if (first == std::string_view::npos) fail("the file ends before its last element");
-      const std::size_t end = std::min(text_.find_first_of(" \t\r\n", first), text_.size());
-      const std::string_view word = text_.substr(first, end - first);
-      text_.remove_prefix(end);
+      const std::string_view word = take_word(text_);
+      if (word.empty()) fail("the file ends before its last element");
       const std::optional<double> value = parse_number(word);
       if (!value) fail(fmt::format("'{}' is not a number", word));
       return *value;

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 
 namespace polhode {
 namespace {
 
-constexpr std::string_view blanks = " \t\r\n\v\f";
+// Not string_view::find_first_of, which searches its set anew for each character of the text.
+constexpr bool is_blank(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+constexpr bool ends_line(char c) { return c == '\n' || c == '\r'; }
 
 template <typename Number>
 std::optional<Number> parse(std::string_view text) {
@@ -28,9 +31,9 @@ std::optional<double> parse_number(std::string_view text) {
 std::optional<long long> parse_integer(std::string_view text) { return parse<long long>(text); }
 
 std::string_view trimmed(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(blanks);
-  return first == std::string_view::npos ? std::string_view{}
-                                         : text.substr(first, text.find_last_not_of(blanks) - first + 1);
+  const auto first = std::find_if_not(text.begin(), text.end(), is_blank);
+  const auto last = std::find_if_not(text.rbegin(), std::make_reverse_iterator(first), is_blank).base();
+  return {first, last};
 }
 
 std::string upper_case(std::string_view text) {
@@ -41,18 +44,21 @@ std::string upper_case(std::string_view text) {
   return out;
 }
 
+std::string_view take_word(std::string_view& text) {
+  const auto first = std::find_if_not(text.begin(), text.end(), is_blank);
+  const auto last = std::find_if(first, text.end(), is_blank);
+  text = {last, text.end()};
+  return {first, last};
+}
+
 std::vector<std::string_view> split_words(std::string_view text) {
   std::vector<std::string_view> words;
-  for (std::size_t at = text.find_first_not_of(blanks); at != std::string_view::npos;) {
-    const std::size_t end = std::min(text.find_first_of(blanks, at), text.size());
-    words.push_back(text.substr(at, end - at));
-    at = text.find_first_not_of(blanks, end);
-  }
+  for (std::string_view word = take_word(text); !word.empty(); word = take_word(text)) words.push_back(word);
   return words;
 }
 
 std::string_view take_line(std::string_view& text) {
-  const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+  const auto end = static_cast<std::size_t>(std::find_if(text.begin(), text.end(), ends_line) - text.begin());
   const std::string_view line = text.substr(0, end);
   const bool two = end + 1 < text.size() && text[end] == '\r' && text[end + 1] == '\n';
   text.remove_prefix(std::min(text.size(), end + (two ? 2 : 1)));

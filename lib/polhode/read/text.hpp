@@ -19,6 +19,9 @@ std::string_view trimmed(std::string_view text);
 /// ASCII letters in upper case.
 std::string upper_case(std::string_view text);
 
+/// Takes the next word between white space off `text`; empty if none is left.
+std::string_view take_word(std::string_view& text);
+
 /// The words between white space.
 std::vector<std::string_view> split_words(std::string_view text);
 
