@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 
 #include "output.hpp"
@@ -18,7 +17,6 @@
 namespace polhode::tools {
 namespace {
 
-constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double arcseconds = 3600.0 * degrees;
 
 struct Options {

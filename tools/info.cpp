@@ -4,7 +4,6 @@
 #include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -19,7 +18,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double hour_s = 3600.0;
 constexpr double day_s = 86400.0;
 constexpr double close_to_separatrix = 1e-4;

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <numbers>
 #include <string_view>
 
 namespace polhode::tools {
+
+inline constexpr double degrees = 180.0 / std::numbers::pi;  ///< in a radian
 
 /// All of the text to standard output. Throws FileError if it does not arrive.
 void write_standard_output(std::string_view text);

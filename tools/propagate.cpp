@@ -120,7 +120,7 @@ class ProgressLine {
     if (now - begin_ < first_after || now - last_ < then_every) return;
     last_ = now;
     printed_ = true;
-    const double rate = static_cast<double>(done) / duration<double>(now - begin_).count();
+    const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - begin_).count();
     const auto left = static_cast<long long>(static_cast<double>(rows_ - done) / rate);
     const double part = 100.0 * static_cast<double>(done) / static_cast<double>(rows_);
     fmt::print(stderr, "\r\033[Kpolhode: {:5.1f} %, {:.3g} rows/s, {}:{:02}:{:02} left", part, rate, left / 3600,

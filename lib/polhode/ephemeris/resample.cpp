@@ -11,10 +11,10 @@ namespace polhode {
 namespace {
 
 /// Two files, or two scales, round the time of one row differently.
-constexpr Seconds rounding{1e-6, 0.0};
+constexpr Seconds time_rounding{1e-6, 0.0};
 
-bool holds(const AttitudeSegment& segment, Instant time) {
-  return !(time + rounding < segment.first()) && !(segment.last() + rounding < time);
+bool usable_at(const AttitudeSegment& segment, Instant time) {
+  return !(time + time_rounding < segment.first()) && !(segment.last() + time_rounding < time);
 }
 
 /// The spans of the segments, for messages.
@@ -32,7 +32,7 @@ std::string spans(const AttitudeHistory& history, TimeScale scale) {
 
 const AttitudeSegment& segment_of(const AttitudeHistory& history, Instant time, TimeScale scale) {
   for (const AttitudeSegment& s : history.segments) {
-    if (holds(s, time)) return s;
+    if (usable_at(s, time)) return s;
   }
   throw InputError(fmt::format("{} {} is outside of the attitude history, which can be used from {}",
                                format_date(time, scale, 3), name(scale), spans(history, scale)));
@@ -62,12 +62,12 @@ std::optional<TimeGrid> times_between(const AttitudeSegment& segment, const Want
     TimeGrid grid = TimeGrid::with_step(first, last, *wanted.step, scale);
     // A grid may end a millionth of a step late, which is outside.
     const Instant end = grid.instant(grid.time(grid.size() - 1, {TimeResolution::Kind::two_doubles}));
-    if (!(last + rounding < end)) return grid;
+    if (!(last + time_rounding < end)) return grid;
     return TimeGrid::with_step(first, last + Seconds{-0.5 * wanted.step->high, 0.0}, *wanted.step, scale);
   }
   std::vector<Instant> rows;
   for (const AttitudeSample& row : segment.samples) {
-    if (!(row.time + rounding < first) && !(last + rounding < row.time)) rows.push_back(row.time);
+    if (!(row.time + time_rounding < first) && !(last + time_rounding < row.time)) rows.push_back(row.time);
   }
   return rows.empty() ? std::nullopt : std::optional(TimeGrid::of_list(rows, scale));
 }
@@ -88,7 +88,7 @@ std::vector<Ephemeris> resample(const AttitudeHistory& history, const WantedTime
     for (std::size_t i = 0; i < wanted.list.size();) {
       const AttitudeSegment& segment = segment_of(history, wanted.list[i], scale);
       const std::size_t begin = i;
-      while (i < wanted.list.size() && holds(segment, wanted.list[i])) ++i;
+      while (i < wanted.list.size() && usable_at(segment, wanted.list[i])) ++i;
       add(segment, TimeGrid::of_list(std::span(wanted.list).subspan(begin, i - begin), scale));
     }
     return out;

@@ -23,7 +23,7 @@ constexpr double kBoldness = 2.0;          // the drift at the start tends to be
 constexpr double kCoarser = 1.6;           // step of the run to compare with
 constexpr double kLongestStep_rad = 0.92;  // the coarser ones below 1.5, where the second harmonic beats with the kicks
 constexpr double kShortestStep_rad = 0.1;  // below, a method of higher order is cheaper
-constexpr int kMostRefinements = 3;
+constexpr int kMostGridRefinements = 3;
 constexpr double kSlowest_rad = 25.0;              // of rotation in r/v: then the surroundings change slowly
 constexpr double kLeastSeparatrixDistance = 0.02;  // of G^2/(2 E I2) from 1
 constexpr double kMostRateChange = 0.2;            // over the span, since the steps stay as long as they are
@@ -165,7 +165,7 @@ std::unique_ptr<const KickedMotion> KickedMotion::make(const FreeBody& body, con
   };
   double step = kCoarser * *step_rad;
   std::unique_ptr<KickedMotion> coarse = made(step);
-  for (int refinement = 0; coarse && refinement < kMostRefinements; ++refinement) {
+  for (int refinement = 0; coarse && refinement < kMostGridRefinements; ++refinement) {
     step /= kCoarser;
     if (!(step >= kShortestStep_rad)) break;
     std::unique_ptr<KickedMotion> fine = made(step);

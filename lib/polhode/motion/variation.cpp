@@ -19,7 +19,7 @@ constexpr double kLargestDerivative = 12.0;  // of which the seventh power measu
 constexpr double kShortestWindow_rad = 0.02;
 // Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
 constexpr double kLongestWindow_rad = 20.0;
-constexpr double kTimeScaleShare = 1.1;  // of a window in r/v: an encounter is never stepped over
+constexpr double kWindowTimeScaleShare = 1.1;  // of a window in r/v: an encounter is never stepped over
 constexpr int kMostSweeps = 9;
 constexpr double kDecayed = 0.03;  // coefficients that tell of those that follow
 constexpr double kUnknown = 1e300;
@@ -166,6 +166,7 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
       free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step),
       about_second(neighbours(moments, q, momentum, difference_rad * second)) {
   if (across_rad_s > 1e-4 * omega.norm()) return;
+  // NOLINTNEXTLINE(modernize-make-unique): the motions cannot be moved
   about_first.reset(new Neighbours(neighbours(moments, q, momentum, difference_rad * first)));
 }
 
@@ -339,7 +340,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     const Plain along = plain(epoch.along);
     const double rate_rad_s = epoch.omega.norm();
     const double remaining_s = std::abs(end_s - t);
-    double length_s = std::min(wanted_rad / rate_rad_s, shorter * kTimeScaleShare * torques_.time_scale_s(t));
+    double length_s = std::min(wanted_rad / rate_rad_s, shorter * kWindowTimeScaleShare * torques_.time_scale_s(t));
     if (length_s > 0.999 * remaining_s) {
       length_s = remaining_s;
     } else if (length_s > 0.5 * remaining_s) {

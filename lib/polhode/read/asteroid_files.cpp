@@ -13,19 +13,10 @@
 #include "polhode/body/euler.hpp"
 #include "polhode/body/spin_solution.hpp"
 #include "polhode/read/text.hpp"
+#include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {
-
-constexpr double degree = std::numbers::pi / 180.0;
-constexpr double hour_s = 3600.0;
-constexpr double day_s = 86400.0;
-
-/// The text without a byte-order mark.
-std::string_view without_mark(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return text;
-}
 
 double number_in(std::string_view word, const SourceLocation& where, std::string_view what) {
   const std::optional<double> value = parse_number(trimmed(word));

@@ -32,7 +32,7 @@ std::vector<std::string_view> split(std::string_view line) {
 }
 
 /// A finite number, decimal or C99 hexadecimal, the whole word.
-double number(std::string_view word, const SourceLocation& where) {
+double case_number(std::string_view word, const SourceLocation& where) {
   std::string_view digits = word;
   const bool negative = digits.starts_with('-');
   if (negative || digits.starts_with('+')) digits.remove_prefix(1);
@@ -53,12 +53,12 @@ double number(std::string_view word, const SourceLocation& where) {
 
 /// The numbers after the key of a line, as many as the key wants.
 template <std::size_t count>
-std::array<double, count> numbers(const std::vector<std::string_view>& words, const SourceLocation& where) {
+std::array<double, count> case_numbers(const std::vector<std::string_view>& words, const SourceLocation& where) {
   if (words.size() != count + 1) {
     throw InputError(where, fmt::format("found {} value(s) after '{}', {} wanted", words.size() - 1, words[0], count));
   }
   std::array<double, count> values{};
-  for (std::size_t i = 0; i < count; ++i) values[i] = number(words[i + 1], where);
+  for (std::size_t i = 0; i < count; ++i) values[i] = case_number(words[i + 1], where);
   return values;
 }
 
@@ -83,7 +83,7 @@ Torque torque(std::vector<std::string_view> words, const SourceLocation& where) 
   if (words.empty()) throw InputError(where, fmt::format("found 'T' alone, a torque is wanted: {}", kinds));
   const std::string_view kind = words[0];
   if (kind == "gravity-gradient") {
-    const auto v = numbers<10>(words, where);
+    const auto v = case_numbers<10>(words, where);
     try {
       return GravityGradient(v[0], KeplerElements{v[0], v[1], v[2], v[3], {v[4], v[5], v[6]}, {v[7], v[8], v[9]}});
     } catch (const InputError& problem) {
@@ -91,11 +91,11 @@ Torque torque(std::vector<std::string_view> words, const SourceLocation& where) 
     }
   }
   if (kind == "constant-body") {
-    const auto v = numbers<3>(words, where);
+    const auto v = case_numbers<3>(words, where);
     return ConstantTorque{{v[0], v[1], v[2]}, ConstantTorque::Axes::body};
   }
   if (kind == "linear-body") {
-    const auto v = numbers<3>(words, where);
+    const auto v = case_numbers<3>(words, where);
     return LinearDamping{{v[0], v[1], v[2]}};
   }
   throw InputError(where, fmt::format("found unknown torque '{:.40}', allowed are {}", kind, kinds));
@@ -125,14 +125,14 @@ CaseFile parse_case_file(std::string_view text, const std::string& path) {
     if (words.empty()) continue;
     const std::string_view key = words[0];
     if (key == "I") {
-      set_once(moments, principal_moments(numbers<3>(words, where), where), key, where);
+      set_once(moments, principal_moments(case_numbers<3>(words, where), where), key, where);
     } else if (key == "q") {
-      set_once(q, attitude(numbers<4>(words, where), where), key, where);
+      set_once(q, attitude(case_numbers<4>(words, where), where), key, where);
     } else if (key == "m") {
-      const auto m = numbers<3>(words, where);
+      const auto m = case_numbers<3>(words, where);
       set_once(momentum, Vector3(m[0], m[1], m[2]), key, where);
     } else if (key == "t") {
-      result.times_s.push_back(numbers<1>(words, where)[0]);
+      result.times_s.push_back(case_numbers<1>(words, where)[0]);
     } else if (key == "T") {
       torques.push_back(torque(words, where));
     } else {

@@ -12,13 +12,13 @@
 #include "polhode/read/ccsds_fields.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/text.hpp"
+#include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {
 
 using enum CcsdsValue;
 
-constexpr double degree = std::numbers::pi / 180.0;
 constexpr std::string_view moment = "kg*m**2";
 
 // --- The standard's tables of keywords ------------------------------------------------------------------------------

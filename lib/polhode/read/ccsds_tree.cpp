@@ -485,12 +485,6 @@ class XmlBuilder {
   std::vector<std::size_t> line_ends_;
 };
 
-/// The text without a byte-order mark.
-std::string_view without_mark(std::string_view text) {
-  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
-  return text;
-}
-
 }  // namespace
 
 bool is_ccsds(std::string_view text) {

@@ -11,55 +11,55 @@ namespace polhode {
 namespace {
 
 /// A size, and the powers of angle, time, length and mass. Angles count as a kind of their own: deg/s is no frequency.
-struct Unit {
+struct CcsdsUnit {
   double size = 1.0;
   std::array<double, 4> powers{};
 };
 
 struct NamedUnit {
   std::string_view name;
-  Unit unit;
+  CcsdsUnit unit;
 };
 
-constexpr double degree = 1.0;  // angles are held in degrees, so that the usual files convert by exactly 1
-constexpr std::array<NamedUnit, 26> names{{{"deg", {degree, {1, 0, 0, 0}}},
-                                           {"rad", {180.0 / std::numbers::pi, {1, 0, 0, 0}}},
-                                           {"arcmin", {1.0 / 60.0, {1, 0, 0, 0}}},
-                                           {"arcsec", {1.0 / 3600.0, {1, 0, 0, 0}}},
-                                           {"rev", {360.0, {1, 0, 0, 0}}},
-                                           {"rpm", {6.0, {1, -1, 0, 0}}},
-                                           {"s", {1.0, {0, 1, 0, 0}}},
-                                           {"ms", {1e-3, {0, 1, 0, 0}}},
-                                           {"us", {1e-6, {0, 1, 0, 0}}},
-                                           {"min", {60.0, {0, 1, 0, 0}}},
-                                           {"h", {3600.0, {0, 1, 0, 0}}},
-                                           {"d", {86400.0, {0, 1, 0, 0}}},
-                                           {"m", {1.0, {0, 0, 1, 0}}},
-                                           {"km", {1e3, {0, 0, 1, 0}}},
-                                           {"cm", {1e-2, {0, 0, 1, 0}}},
-                                           {"mm", {1e-3, {0, 0, 1, 0}}},
-                                           {"kg", {1.0, {0, 0, 0, 1}}},
-                                           {"g", {1e-3, {0, 0, 0, 1}}},
-                                           {"t", {1e3, {0, 0, 0, 1}}},
-                                           {"N", {1.0, {0, -2, 1, 1}}},
-                                           {"mN", {1e-3, {0, -2, 1, 1}}},
-                                           {"kN", {1e3, {0, -2, 1, 1}}},
-                                           {"Hz", {1.0, {0, -1, 0, 0}}},
-                                           {"%", {1e-2, {}}},
-                                           {"1", {1.0, {}}},
-                                           {"n/a", {1.0, {}}}}};
+// Angles are held in degrees, so that the usual files convert by exactly 1.
+constexpr std::array<NamedUnit, 26> ccsds_units{{{"deg", {1.0, {1, 0, 0, 0}}},
+                                                 {"rad", {180.0 / std::numbers::pi, {1, 0, 0, 0}}},
+                                                 {"arcmin", {1.0 / 60.0, {1, 0, 0, 0}}},
+                                                 {"arcsec", {1.0 / 3600.0, {1, 0, 0, 0}}},
+                                                 {"rev", {360.0, {1, 0, 0, 0}}},
+                                                 {"rpm", {6.0, {1, -1, 0, 0}}},
+                                                 {"s", {1.0, {0, 1, 0, 0}}},
+                                                 {"ms", {1e-3, {0, 1, 0, 0}}},
+                                                 {"us", {1e-6, {0, 1, 0, 0}}},
+                                                 {"min", {60.0, {0, 1, 0, 0}}},
+                                                 {"h", {3600.0, {0, 1, 0, 0}}},
+                                                 {"d", {86400.0, {0, 1, 0, 0}}},
+                                                 {"m", {1.0, {0, 0, 1, 0}}},
+                                                 {"km", {1e3, {0, 0, 1, 0}}},
+                                                 {"cm", {1e-2, {0, 0, 1, 0}}},
+                                                 {"mm", {1e-3, {0, 0, 1, 0}}},
+                                                 {"kg", {1.0, {0, 0, 0, 1}}},
+                                                 {"g", {1e-3, {0, 0, 0, 1}}},
+                                                 {"t", {1e3, {0, 0, 0, 1}}},
+                                                 {"N", {1.0, {0, -2, 1, 1}}},
+                                                 {"mN", {1e-3, {0, -2, 1, 1}}},
+                                                 {"kN", {1e3, {0, -2, 1, 1}}},
+                                                 {"Hz", {1.0, {0, -1, 0, 0}}},
+                                                 {"%", {1e-2, {}}},
+                                                 {"1", {1.0, {}}},
+                                                 {"n/a", {1.0, {}}}}};
 
 /// In any case of letters: real files write DEG and KG*M**2.
 const NamedUnit* find_unit(std::string_view name) {
-  const auto* const found = std::find_if(names.begin(), names.end(), [upper = upper_case(name)](const NamedUnit& n) {
-    return upper_case(n.name) == upper;
-  });
-  return found == names.end() ? nullptr : &*found;
+  const auto* const found =
+      std::find_if(ccsds_units.begin(), ccsds_units.end(),
+                   [upper = upper_case(name)](const NamedUnit& n) { return upper_case(n.name) == upper; });
+  return found == ccsds_units.end() ? nullptr : &*found;
 }
 
-std::optional<Unit> parse_unit(std::string_view text) {
+std::optional<CcsdsUnit> parse_unit(std::string_view text) {
   if (const NamedUnit* whole = find_unit(text)) return whole->unit;
-  Unit product;
+  CcsdsUnit product;
   double sign = 1.0;
   while (true) {
     // One factor: a name, perhaps with an exponent after ** or ^.
@@ -91,8 +91,8 @@ std::optional<Unit> parse_unit(std::string_view text) {
 
 std::optional<double> unit_factor(std::string_view from, std::string_view to) {
   if (from == to) return 1.0;
-  const std::optional<Unit> a = parse_unit(trimmed(from));
-  const std::optional<Unit> b = parse_unit(trimmed(to));
+  const std::optional<CcsdsUnit> a = parse_unit(trimmed(from));
+  const std::optional<CcsdsUnit> b = parse_unit(trimmed(to));
   if (!a || !b || a->powers != b->powers || !std::isfinite(a->size) || a->size == 0.0) return std::nullopt;
   return a->size / b->size;
 }

@@ -6,17 +6,17 @@
 #include <cctype>
 #include <cmath>
 #include <cstdlib>
-#include <numbers>
 #include <span>
 #include <string>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/text.hpp"
+#include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {
 
-struct Unit {
+struct QuantityUnit {
   std::string_view name;
   double size;
 };
@@ -27,7 +27,7 @@ struct Quantity {
 };
 
 /// Splits "1.5 min" and looks up the unit, the first one if none stands there.
-Quantity quantity(std::string_view text, const char* what, std::span<const Unit> units) {
+Quantity quantity(std::string_view text, const char* what, std::span<const QuantityUnit> units) {
   const std::string_view whole = trimmed(text);
   std::size_t end = whole.size();
   // A unit is the letters at the end, but the e of an exponent has digits behind it.
@@ -37,7 +37,7 @@ Quantity quantity(std::string_view text, const char* what, std::span<const Unit>
   std::string allowed;
   const std::string_view wanted = unit.empty() ? units.front().name : unit;
   double size = 0.0;
-  for (const Unit& u : units) {
+  for (const QuantityUnit& u : units) {
     if (u.name == wanted) size = u.size;
     allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", u.name);
   }
@@ -50,8 +50,8 @@ Quantity quantity(std::string_view text, const char* what, std::span<const Unit>
 }  // namespace
 
 Seconds parse_duration(std::string_view text) {
-  constexpr std::array units{Unit{"s", 1.0}, Unit{"min", 60.0}, Unit{"h", 3600.0}, Unit{"d", 86400.0},
-                             Unit{"ms", 1e-3}};
+  constexpr std::array units{QuantityUnit{"s", 1.0}, QuantityUnit{"min", 60.0}, QuantityUnit{"h", hour_s},
+                             QuantityUnit{"d", day_s}, QuantityUnit{"ms", 1e-3}};
   const Quantity q = quantity(text, "span of time", units);
   const double high = *parse_number(q.number);
   const long double rest = std::strtold(q.number.c_str(), nullptr) - static_cast<long double>(high);
@@ -59,13 +59,12 @@ Seconds parse_duration(std::string_view text) {
 }
 
 double parse_angle_rad(std::string_view text) {
-  constexpr double degree = std::numbers::pi / 180.0;
-  constexpr std::array units{Unit{"rad", 1.0},
-                             Unit{"deg", degree},
-                             Unit{"arcmin", degree / 60.0},
-                             Unit{"arcsec", degree / 3600.0},
-                             Unit{"mas", degree / 3.6e6},
-                             Unit{"uas", degree / 3.6e9}};
+  constexpr std::array units{QuantityUnit{"rad", 1.0},
+                             QuantityUnit{"deg", degree},
+                             QuantityUnit{"arcmin", degree / 60.0},
+                             QuantityUnit{"arcsec", degree / 3600.0},
+                             QuantityUnit{"mas", degree / 3.6e6},
+                             QuantityUnit{"uas", degree / 3.6e9}};
   const Quantity q = quantity(text, "angle", units);
   return *parse_number(q.number) * q.unit;
 }

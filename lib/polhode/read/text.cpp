@@ -36,6 +36,11 @@ std::string_view trimmed(std::string_view text) {
   return {first, last};
 }
 
+std::string_view without_mark(std::string_view text) {
+  if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
+  return text;
+}
+
 std::string upper_case(std::string_view text) {
   std::string out(text);
   for (char& c : out) {

@@ -16,6 +16,9 @@ std::optional<long long> parse_integer(std::string_view text);
 /// Without white space at either end.
 std::string_view trimmed(std::string_view text);
 
+/// Without a byte-order mark.
+std::string_view without_mark(std::string_view text);
+
 /// ASCII letters in upper case.
 std::string upper_case(std::string_view text);
 

@@ -59,7 +59,7 @@ void append(double t_s, const Vector3& position, const Vector3* velocity, const 
 
 // --- OEM ------------------------------------------------------------------------------------------------------------
 
-constexpr std::array<CcsdsRule, 4> header_rules{
+constexpr std::array<CcsdsRule, 4> oem_header_rules{
     {{"CREATION_DATE", true, CcsdsValue::epoch}, {"ORIGINATOR", true}, {"MESSAGE_ID"}, {"CLASSIFICATION"}}};
 constexpr std::array<CcsdsRule, 12> metadata_rules{
     {{"OBJECT_NAME", true},
@@ -100,7 +100,7 @@ class OemReader {
       throw InputError({path_, message.header.line},
                        fmt::format("OEM version {}; 1.0, 2.0 and 3.0 can be read", message.version));
     }
-    const CcsdsFields header(message.header, header_rules, "the header of an OEM", path_);
+    const CcsdsFields header(message.header, oem_header_rules, "the header of an OEM", path_);
     if (message.segments.empty()) throw InputError({path_, message.header.line}, "the OEM has no segment");
     std::vector<OrbitTable> tables;
     std::string object;

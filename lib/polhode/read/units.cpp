@@ -17,9 +17,6 @@ struct Unit {
 };
 
 constexpr double turn = 2.0 * std::numbers::pi;
-constexpr double degree = std::numbers::pi / 180.0;
-constexpr double hour_s = 3600.0;
-constexpr double day_s = 86400.0;
 
 constexpr std::array<Unit, 3> angles{{{"deg", degree}, {"rad", 1.0}, {"arcsec", degree / 3600.0}}};
 constexpr std::array<Unit, 9> angular_velocities{{{"rad/s", 1.0},

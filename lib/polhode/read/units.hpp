@@ -1,10 +1,15 @@
 #pragma once
 
+#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
 
 namespace polhode {
+
+inline constexpr double degree = std::numbers::pi / 180.0;  ///< in rad
+inline constexpr double hour_s = 3600.0;
+inline constexpr double day_s = 86400.0;
 
 /// Units that files name, as the factor to ours. Each throws InputError naming the allowed ones.
 double angle_unit_rad(std::string_view unit);               ///< "deg", "rad", "arcsec"

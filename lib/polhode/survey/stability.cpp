@@ -8,7 +8,7 @@ namespace polhode::survey {
 
 namespace {
 
-constexpr double tolerance = 1e-13;
+constexpr double free_tolerance = 1e-13;
 /// What a careful user would take; of orders 6 and up fewer steps do.
 double steps_per_turn(const Method& method) { return method.order < "6" && method.order != "10" ? 100.0 : 25.0; }
 constexpr double fractions_of_span[] = {0.21, 0.47, 0.73, 0.89, 1.0};
@@ -59,7 +59,7 @@ void survey_column(const Column& column, double most_evaluations, std::vector<St
       row.y = column.cells[c].y;
       row.method = method.name;
       const StepControl control{.step_s = turn / steps_per_turn(method),
-                                .tolerance = tolerance,
+                                .tolerance = free_tolerance,
                                 .max_evaluations = static_cast<std::int64_t>(most_evaluations)};
       const Answers answers = answer(method, column.body, control, instants);
       const bool too_long = static_cast<double>(answers.evaluations) > most_evaluations;

@@ -17,7 +17,7 @@ constexpr std::string_view torqued_motions[] = {"auto", "variation", "extrapolat
 
 constexpr double reference_tolerance_rad = 1e-14;
 constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
-constexpr double longest_step_turns = 1.0, longest_step_turns_without_kernel = 1.0 / 8.0;
+constexpr double longest_torqued_step_turns = 1.0, longest_torqued_step_turns_without_kernel = 1.0 / 8.0;
 constexpr double runs_of_torqued_motion = 10.0;  // to choose steps, to tell the error, in long double: at the most
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
@@ -196,7 +196,8 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
     for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
       if (told) told(method.name);
       if (method.fixed_step) {
-        const double turns = method.scheme == nullptr ? longest_step_turns_without_kernel : longest_step_turns;
+        const double turns =
+            method.scheme == nullptr ? longest_torqued_step_turns_without_kernel : longest_torqued_step_turns;
         sweep_steps(e, method, std::min(longest_s, turns * turn_s(subject.body)), result.rows);
         continue;
       }

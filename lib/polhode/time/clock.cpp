@@ -6,14 +6,9 @@
 #include "polhode/time/scale_detail.hpp"
 
 namespace polhode {
-namespace {
-
-constexpr double day_s = 86400.0;
-
-}  // namespace
 
 double ScaleClock::tdb_minus_tt_s(double tt_s) {
-  const double piece_s = piece_days * day_s;
+  const double piece_s = piece_days * 86400.0;
   const double index = std::floor(tt_s / piece_s);
   const auto key = static_cast<std::int64_t>(index);
   auto found = pieces_.find(key);

@@ -41,7 +41,7 @@ constexpr XmlField q1{"quaternion", "Q1"}, q2{"quaternion", "Q2"}, q3{"quaternio
 constexpr XmlField a1{"", "ANGLE_1"}, a2{"", "ANGLE_2"}, a3{"", "ANGLE_3"};
 
 // Names of the rows' XML elements: NDM/XML schemas ndmxml-2.0.0 (AEM 1.0) and ndmxml-4.0.0 (AEM 2.0).
-constexpr std::array forms{
+constexpr std::array attitude_forms{
     Form{
         AemType::quaternion, "QUATERNION", "quaternionState", "quaternionEphemeris", 4, {q1, q2, q3, qc}, false, false},
     Form{AemType::quaternion_derivative,
@@ -87,7 +87,8 @@ constexpr std::array forms{
 };
 
 const Form& form_of(AemType type) {
-  return *std::find_if(forms.begin(), forms.end(), [type](const Form& form) { return form.type == type; });
+  return *std::find_if(attitude_forms.begin(), attitude_forms.end(),
+                       [type](const Form& form) { return form.type == type; });
 }
 
 /// Whether version 1.0 has the type. Its */RATE types are left out: readers disagree on what their rates are.
@@ -323,7 +324,7 @@ AemType aem_type(std::string_view name) {
   std::string upper(name);
   std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
   std::string allowed;
-  for (const Form& form : forms) {
+  for (const Form& form : attitude_forms) {
     if (upper == form.name) return form.type;
     allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", form.name);
   }

@@ -22,7 +22,7 @@ struct Column {
 };
 
 /// A text as YAML's double-quoted scalar.
-std::string quoted(std::string_view text) {
+std::string yaml_quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
     if (static_cast<unsigned char>(c) < 0x20) {
@@ -49,20 +49,20 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
   const auto meta = [&](std::string_view key, const std::string& value) {
     if (!value.empty()) out += fmt::format("# - {{{}: {}}}\n", key, value);
   };
-  meta("object", quoted(description.object));
-  meta("creator", quoted(creator()));
-  meta("created_utc", quoted(creation_date()));
-  meta("frame_a", quoted(ephemeris.frame_name()));
+  meta("object", yaml_quoted(description.object));
+  meta("creator", yaml_quoted(creator()));
+  meta("created_utc", yaml_quoted(creation_date()));
+  meta("frame_a", yaml_quoted(ephemeris.frame_name()));
   meta("frame_b",
-       quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
-  meta("quaternion", quoted("scalar last, takes components from frame a to frame b, passive"));
-  meta("method", quoted(description.method));
+       yaml_quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
+  meta("quaternion", yaml_quoted("scalar last, takes components from frame a to frame b, passive"));
+  meta("method", yaml_quoted(description.method));
   if (description.promised_error_rad) meta("promised_error_rad", fmt::format("{}", *description.promised_error_rad));
   if (description.tolerance_rad) {
-    meta("interpolation", quoted(description.interpolation));
+    meta("interpolation", yaml_quoted(description.interpolation));
     meta("interpolation_error_rad", fmt::format("{}", *description.tolerance_rad));
   }
-  meta("source", quoted(description.source));
+  meta("source", yaml_quoted(description.source));
   const std::string& time = columns.front().name;
   out += fmt::format(
       "# - __serialized_columns__:\n#     {0}:\n#       __class__: astropy.time.core.Time\n#       format: isot\n"
