@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstddef>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -59,17 +58,17 @@ class Quantity {
 template <class T>
 struct HugePages {
   using value_type = T;
+  static constexpr std::align_val_t page{std::size_t{2} << 20};
   static T* allocate(std::size_t n) {
-    constexpr std::size_t page = std::size_t{2} << 20;
-    const std::size_t bytes = (n * sizeof(T) + page - 1) / page * page;
-    void* p = std::aligned_alloc(page, bytes);
-    if (p == nullptr) throw std::bad_alloc();
+    constexpr auto whole = static_cast<std::size_t>(page);
+    const std::size_t bytes = (n * sizeof(T) + whole - 1) / whole * whole;
+    void* p = ::operator new(bytes, page);
 #ifdef MADV_HUGEPAGE
     madvise(p, bytes, MADV_HUGEPAGE);  // only advice
 #endif
     return static_cast<T*>(p);
   }
-  static void deallocate(T* p, std::size_t) { std::free(p); }
+  static void deallocate(T* p, std::size_t) { ::operator delete(p, page); }
   bool operator==(const HugePages&) const = default;
 };
 using Array = std::vector<double, HugePages<double>>;

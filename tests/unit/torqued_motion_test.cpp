@@ -328,6 +328,25 @@ TEST(Variation, CostsFewTorqueEvaluations) {
   EXPECT_LT(weak.torque_evaluations(), 45 * 100U);
 }
 
+// Where the torque is so small that windows are as long as they may be, two runs that shared them would share their
+// errors, and agree on what is wrong.
+TEST(Variation, RunsToTwoTolerancesDoNotShareTheirWindows) {
+  const FreeBody body = satellite({0.02, 0.01, 0.05});
+  const double span_s =
+      600.0 * 2.0 * std::numbers::pi / body.momentum_body.cwiseQuotient(body.principal_moments).norm();
+  for (const double part : {1e-4, 1e-6, 1e-8}) {
+    const Torques tiny(
+        {GravityGradient(part * kEarth, KeplerElements{kEarth, kRadius_m, 0.0, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
+    const FreeState truth = reference(body, tiny, span_s);
+    const Variation coarse(body, 0.0, span_s, tiny, 1e-10, 1'000'000);
+    const Variation fine(body, 0.0, span_s, tiny, 1e-10 / 16.0, 1'000'000);
+    EXPECT_LT(coarse.windows(), fine.windows()) << part;
+    const double apart = distance(coarse.at(span_s), fine.at(span_s));
+    EXPECT_LT(distance(coarse.at(span_s), truth), 3.0 * apart + 1e-12) << part;
+    EXPECT_LT(coarse.torque_evaluations(), (part > 1e-7 ? 45 : 25) * 600U) << part;
+  }
+}
+
 TEST(Variation, SaysWhenItIsNotForThis) {
   const FreeBody rest{{1, 2, 3}, Quaternion::Identity(), {0, 0, 0}};
   const Torques push({ConstantTorque{{1e-3, 0, 0}}});
