@@ -25,8 +25,8 @@ constexpr double kPhaseOfTolerance_rad = 40.0;
 constexpr double kFinerVariation = 1.0 / 16.0;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
 // double only, where it is not rounding that keeps two runs apart.
-constexpr double kLooserExtrapolation = 1e4, kLooserExtrapolationInDouble = 100.0;
-constexpr double kGainOfExtrapolation = 1000.0, kGainOfExtrapolationInDouble = 2.0;
+constexpr double kLooserExtrapolation = 1e2, kLooserExtrapolationInDouble = 100.0;
+constexpr double kGainOfExtrapolation = 10.0, kGainOfExtrapolationInDouble = 2.0;
 constexpr double kAsymptotic_rad = 1e-2;  // runs that differ by more say nothing of each other
 
 ExtendedState extended(const FreeState& state) {
