@@ -2,6 +2,7 @@
 
 import astropy.units as u
 import numpy as np
+import pytest
 from astropy.table import QTable, Table
 from astropy.time import Time
 from scipy.integrate import solve_ivp
@@ -19,6 +20,17 @@ def test_plan_says_what_is_kept_and_dropped():
     assert " dropped " in rows["linear damping"]
     assert "dropped" not in run("plan", "--full", SCENES / "spin-up.toml").stdout.replace("which dropped effects", "")
     assert "horizon" in run("plan", SCENES / "apophis-2029.toml").stdout
+
+
+@pytest.mark.parametrize("scene", sorted(SCENES.glob("*.toml")), ids=lambda path: path.stem)
+def test_each_scene_is_propagated_as_it_stands(tmp_path, scene):
+    """To its very ends, in whatever time scale the rows are evenly spaced."""
+    for options in [], ["--count", "50"], ["--count", "50", "--scale", "TT"]:
+        out = tmp_path / f"{len(options)}.fits"
+        run("propagate", scene, "-o", out, *options)
+        q = np.asarray(Table.read(out, 1)["QPARAM"])
+        assert len(q) == 50 or not options
+        assert_within(np.abs(np.linalg.norm(q, axis=1) - 1.0), 1e-15)
 
 
 def test_spin_up_follows_the_equations_of_motion(tmp_path):

@@ -10,6 +10,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/motion/splitting.hpp"
 #include "polhode/motion/theta.hpp"
+#include "polhode/motion/torqued_motion.hpp"
 
 namespace polhode {
 namespace {
@@ -211,7 +212,7 @@ std::size_t KickedMotion::nearest(double t_s) const {
 }
 
 FreeState KickedMotion::at(double t_high_s, double t_low_s) const {
-  const double room_s = 1e-12 * (options_.last_s - options_.first_s);  // a last row that was rounded up
+  const double room_s = end_room_s(options_.last_s - options_.first_s);
   if (!(t_high_s >= options_.first_s - room_s && t_high_s <= options_.last_s + room_s)) {
     throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s",
                                  options_.first_s, options_.last_s, t_high_s));

@@ -37,7 +37,7 @@ class KickedMotion final : public FreeMotion {
   static std::optional<double> predicted_evaluations(const FreeBody& body, const Torques& torques,
                                                      const KickedOptions& options);
 
-  /// Throws InputError for a time outside of the span.
+  /// Throws InputError for a time outside of the span by more than end_room_s().
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
 
   double error_rad() const { return error_rad_; }                  ///< estimated, worst of the span

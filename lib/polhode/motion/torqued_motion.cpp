@@ -383,12 +383,14 @@ std::size_t TorquedMotion::steps() const {
 }
 
 FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
-  const double room_s = 1e-12 * (last_s_ - first_s_);  // a last row that was rounded up
+  const double room_s = end_room_s(last_s_ - first_s_);
   if (!(t_high_s >= first_s_ - room_s && t_high_s <= last_s_ + room_s)) {
     throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_,
                                  last_s_, t_high_s));
   }
-  const Path& path = t_high_s >= 0.0 ? forward_ : backward_;
+  // Beyond an end at t = 0 the other way's motion goes on.
+  const bool is_forward = t_high_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
+  const Path& path = is_forward ? forward_ : backward_;
   const double away_s = std::abs(t_high_s);
   const Leg& leg =
       *std::find_if(path.begin(), path.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.nodes.back().t_s); });
