@@ -423,7 +423,6 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     const auto left = [&] {
       return moved * std::min(1.0, sweeps == 1 ? kStiffer * stiffness * moved / weight : moved / before);
     };
-    double missed_by_coarse = 0.0;
     if (!coarse_resolves) {
       before = moved;
       moved = sweep(fine);
@@ -436,17 +435,13 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       for (std::size_t k = 0; k < 4; ++k) spectrum[k] += fine.coefficients[j][k] * rates.col(j);
       largest = std::max(largest, size(rates.col(j)));
     }
-    if (!coarse_resolves) missed_by_coarse = 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
+    const double missed_by_coarse =
+        coarse_resolves ? 0.0 : 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
     const double truncation = truncation_of(std::max(size(spectrum[2]), size(spectrum[3])), kDegree);
     for (; left() > kLeft * allowed && sweeps < kMostSweeps && (sweeps == 1 || moved < 0.5 * before); ++sweeps) {
       const bool coarse_will_do = left() * std::max(missed_by_coarse, moved / before) <= kLeft * allowed;
-      if (sweeps == 1 || coarse_will_do) {
-        before = moved;
-        moved = sweep(coarse);
-      } else {
-        before = moved;
-        moved = sweep(fine);
-      }
+      before = moved;
+      moved = sweep(sweeps == 1 || coarse_will_do ? coarse : fine);
       if (sweeps == 1)
         stiffness = std::max(stiffness == kUnknown ? 0.0 : stiffness, moved / before / (before / weight));
     }
