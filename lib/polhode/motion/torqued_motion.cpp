@@ -21,8 +21,12 @@ constexpr int kMostRefinements = 8;
 constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
-constexpr double kPhaseOfTolerance_rad = 40.0;
+constexpr double kPhaseOfTolerance_rad = 20.0;
 constexpr double kFinerVariation = 1.0 / 16.0;
+constexpr double kSafetyOfVariation = 2.5;
+// By which every other run of variation starts aside: what grows from the rounding of the start shows in their
+// difference.
+constexpr double kAside = 2e-16;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
 // double only, where it is not rounding that keeps two runs apart.
 constexpr double kLooserExtrapolation = 1e2, kLooserExtrapolationInDouble = 100.0;
@@ -123,6 +127,7 @@ class TorquedMotion::Builder {
   /// is of no use here.
   bool first_paths(double tolerance_rad, Path& forward, Path& backward) {
     tolerance_rad_ = tolerance_rad;
+    aside_ = !aside_;
     forward = forward_, backward = backward_;
     return way_.variation ? vary(forward) && vary(backward) : choose_steps(forward) && choose_steps(backward);
   }
@@ -177,6 +182,12 @@ class TorquedMotion::Builder {
  private:
   bool vary(Path& path) {
     ExtendedState state = start_;
+    if (aside_) {
+      state.momentum_body =
+          state.momentum_body.cwiseProduct(Vector3Of<long double>(1 + kAside, 1 - kAside, 1 + kAside));
+      const Eigen::Quaternion<long double> turn(1.0L, kAside, -kAside, kAside);
+      state.q_inertial_from_body = state.q_inertial_from_body * turn;
+    }
     for (Leg& leg : path) {
       const FreeState start = plain(state);
       const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
@@ -294,6 +305,7 @@ class TorquedMotion::Builder {
   Way way_;
   Vector3 moments_;
   double tolerance_rad_ = 0.0;  // of the finest paths so far
+  bool aside_ = false;
   ExtendedState start_;
   Path forward_, backward_;  // one leg per stretch between jumps, with its two ends as nodes
   std::size_t evaluations_ = 0;
@@ -322,14 +334,15 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     Builder builder(body, torques, options, name);
     method_ = name;
     way_ = Builder::way(name);
-    double gain = 1.0, looser = 1.0;
+    double gain = 1.0, looser = 1.0, safety = kSafety;
     if (way_.variation) {
+      safety = kSafetyOfVariation;
       looser = 1.0 / (1.0 + phase_rad / kPhaseOfTolerance_rad);
     } else if (way_.scheme == nullptr) {
       gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
       looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;
     }
-    const double goal_rad = gain * options.tolerance_rad / kSafety;
+    const double goal_rad = gain * options.tolerance_rad / safety;
     Path forward, backward;
     bool whole = builder.first_paths(looser * options.tolerance_rad, forward, backward);
     double before_rad = std::numeric_limits<double>::infinity();

@@ -2,345 +2,374 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
+#include "polhode/motion/variation/orbits.hpp"
+
 namespace polhode {
+
+using variation::fill_up;
+using variation::Grid;
+using variation::InSlots;
+using variation::kCoarse;
+using variation::kCoarseSlots;
+using variation::kCoefficients;
+using variation::kFine;
+using variation::kLast;
+using variation::kSlots;
+using variation::slot;
+
 namespace {
 
-constexpr int kFinest = Variation::kDegree, kPoints = Variation::kPoints;
-constexpr int kTogether = 4;  // points in a register
-// Of neighbours, times the sixteenth root of the tolerance: 1e-3 at 1e-10. Its sixth power and a rounding divided by it
-// are below 1e-12, and runs to two tolerances do not share the error.
-constexpr double kDifference_rad = 4e-3;
-constexpr double kTurns[] = {-3.0, -2.0, -1.0, 1.0, 2.0, 3.0};  // of neighbours, in that unit
-constexpr double kLongestEpoch_rad = 10.0;                      // after which the derivatives lose digits
-constexpr double kLargestDeviation_rad = 0.02;                  // whose square goes into the polynomials
-constexpr double kLargestDerivative = 12.0;  // of which the seventh power measures the error of the derivatives
+constexpr double kLongestEpoch_rad = 30.0;      // after which the derivatives lose digits
+constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
+constexpr double kLargestDerivative = 12.0;     // of which rounding is a part
+// How near a free motion may be to a rotation about a principal axis or to the separatrix, where its derivatives lose
+// digits: nearer than the first it is replaced by one turned aside; where that does not help, as for a sphere, the
+// method does not serve.
+constexpr double kNear = 1e-4, kTurnedAside_rad = 5e-3, kTooNear = 1e-7;
 constexpr double kShortestWindow_rad = 0.02;
 // Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
-constexpr double kLongestWindow_rad = 20.0;
-constexpr double kWindowTimeScaleShare = 1.1;  // of a window in r/v: an encounter is never stepped over
+constexpr double kLongestWindow_rad = 20.0, kFirstWindow_rad = 7.0;
+// From one point to the next a body moves by no more than this part of its distance, times the same root: between two
+// points there is no encounter that neither knows of.
+constexpr double kLongestWay = 1.5;
 constexpr int kMostSweeps = 9;
-constexpr double kDecayed = 0.03;  // coefficients that tell of those that follow
+constexpr double kDecayed = 0.03;    // coefficients that tell of those that follow
+constexpr double kOrbitShare = 0.1;  // of a window's tolerance, by polynomials of orbits, relative
 constexpr double kUnknown = 1e300;
 constexpr double kStiffer = 10.0;                   // the next window than any before
 constexpr double kLeft = 0.3;                       // of a window's share of the tolerance, by the iteration
 constexpr double kMostEvaluationsPerRadian = 70.0;  // beyond which extrapolation is cheaper
 
-/// A number at each point of a window, in order of time. The loops over points are compiled for wider registers as
-/// well, where the processor has them; the bits are the same.
-using AtPoints = double[kPoints];
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define POLHODE_WIDE [[gnu::target_clones("avx2", "default")]]
-#else
-#define POLHODE_WIDE
-#endif
-
-/// Inertial, at one point; as plain as the compiler's vectors want it.
-struct Plain {
-  double x, y, z;
-};
-[[gnu::always_inline]] inline Plain operator+(Plain a, Plain b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-[[gnu::always_inline]] inline Plain operator-(Plain a, Plain b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-[[gnu::always_inline]] inline Plain operator*(double s, Plain a) { return {s * a.x, s * a.y, s * a.z}; }
-[[gnu::always_inline]] inline double dot(Plain a, Plain b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-[[gnu::always_inline]] inline Plain cross(Plain a, Plain b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-[[gnu::always_inline]] inline Plain plain(const Vector3& v) { return {v[0], v[1], v[2]}; }
-[[gnu::always_inline]] inline Plain get(const AtPoints* v, int i) { return {v[0][i], v[1][i], v[2][i]}; }
-[[gnu::always_inline]] inline void put(Plain a, AtPoints* v, int i) { v[0][i] = a.x, v[1][i] = a.y, v[2][i] = a.z; }
-
-/// Point i of the Chebyshev grid of degree n on (-1, 1), ascending.
-double chebyshev_point(int i, int n) { return -std::cos(std::numbers::pi * i / n); }
-
-/// From values at the points of a Chebyshev grid: values of the polynomial through them, and of its integral from the
-/// first point, at the points of the finest grid; and four of its Chebyshev coefficients (Clenshaw & Curtis, Numer.
-/// Math. 2, 197, 1960). Row j is what the value at point j contributes.
-struct Grid {
-  int degree, stride;  // stride in points of the finest grid
-  double interpolation[kFinest + 1][kPoints] = {}, integral[kFinest + 1][kPoints] = {};
-  double coefficients[kFinest + 1][4] = {};  // of degree n/2, n/2 + 1, n - 1, n
-
-  explicit Grid(int n) : degree(n), stride(kFinest / n) {
-    for (int j = 0; j <= n; ++j) {
-      // Of the polynomial that is 1 at point j and 0 at the others.
-      std::array<double, kFinest + 3> value{}, sum{};
-      const auto ends = [n](int i) { return i == 0 || i == n ? 0.5 : 1.0; };
-      for (int k = 0; k <= n; ++k) {
-        value[k] = 2.0 / n * ends(j) * ends(k) * std::cos(std::numbers::pi * k * (n - j) / n);
-      }
-      for (int k = 1; k <= n + 1; ++k) {
-        sum[k] = ((k == 1 ? 2.0 : 1.0) * value[k - 1] - value[k + 1]) / (2.0 * k);
-        sum[0] += k % 2 == 0 ? -sum[k] : sum[k];
-      }
-      for (int k = 0; k < 4; ++k) coefficients[j][k] = value[k < 2 ? n / 2 + k : n - 3 + k];
-      for (int i = 0; i <= kFinest; ++i) {
-        const double angle = std::numbers::pi * (kFinest - i) / kFinest;
-        for (int k = 0; k <= n + 1; ++k) {
-          interpolation[j][i] += value[k] * std::cos(k * angle);
-          integral[j][i] += sum[k] * std::cos(k * angle);
-        }
-      }
-    }
-  }
-};
-
-/// to += the values at the points of a grid times the rows of a matrix.
-POLHODE_WIDE void add_products(const double* values, int stride, int rows, const double (*matrix)[kPoints], double by,
-                               double* to) {
-  double sum[kPoints];
-  for (int i = 0; i < kPoints; ++i) sum[i] = values[0] * matrix[0][i];
-  for (int j = 1; j < rows; ++j) {
-    const double value = values[j * stride];
-    for (int i = 0; i < kPoints; ++i) sum[i] += value * matrix[j][i];
-  }
-  for (int i = 0; i < kPoints; ++i) to[i] += by * sum[i];
+/// Point i of the Chebyshev grid of degree n on (-1, 1), ascending; n divides kFine.
+double chebyshev_point(int i, int n) {
+  static const auto points = [] {
+    std::array<double, kFine + 1> x;
+    for (int k = 0; k <= kFine; ++k) x[static_cast<std::size_t>(k)] = -std::cos(std::numbers::pi * k / kFine);
+    return x;
+  }();
+  return points[static_cast<std::size_t>(i * (kFine / n))];
 }
 
-/// q turned about an inertial axis.
-Quaternion turned(const Vector3& rotation_vector, const Quaternion& q) {
-  const double half = 0.5 * rotation_vector.norm();
-  if (half == 0.0) return q;
-  const Vector3 v = std::sin(half) / (2.0 * half) * rotation_vector;
-  return Quaternion(std::cos(half), v[0], v[1], v[2]) * q;
+const Grid& coarse_grid() {
+  static const Grid grid(kCoarse);
+  return grid;
+}
+const Grid& fine_grid() {
+  static const Grid grid(kFine);
+  return grid;
 }
 
-ThetaMotion neighbour(const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
-                      const Vector3& rotation_vector) {
-  const Quaternion start = turned(rotation_vector, q);
-  return ThetaMotion({moments, start, start.conjugate() * momentum_inertial}, ThetaMotion::Span::step);
+/// b less its mean over the components of a unit momentum, from differences: near a principal axis one of them is far
+/// smaller than b.
+Vector3 less_mean(const Vector3& b, const Vector3& m) {
+  const Vector3 p = m.cwiseAbs2();
+  return {p[1] * (b[0] - b[1]) + p[2] * (b[0] - b[2]), p[2] * (b[1] - b[2]) + p[0] * (b[1] - b[0]),
+          p[0] * (b[2] - b[0]) + p[1] * (b[2] - b[1])};
 }
 
-std::array<ThetaMotion, 6> neighbours(const Vector3& moments, const Quaternion& q, const Vector3& momentum,
-                                      const Vector3& rotation_vector) {
-  const auto turned_by = [&](int i) { return neighbour(moments, q, momentum, kTurns[i] * rotation_vector); };
-  return {turned_by(0), turned_by(1), turned_by(2), turned_by(3), turned_by(4), turned_by(5)};
+/// Twice the energy over the square of the momentum, whatever the length of either is by rounding.
+double mean_of_inverse_moments(const Vector3& momentum_body, const Vector3& moments) {
+  return momentum_body.dot(momentum_body.cwiseQuotient(moments)) / momentum_body.squaredNorm();
 }
 
-/// to += weight times the small rotation vector that turns b into a.
-POLHODE_WIDE void add_rotation_vectors(const AtPoints* a, const AtPoints* b, double weight, int count, AtPoints* to) {
-  for (int i = 0; i < count; ++i) {
-    const Plain va = get(a + 1, i), vb = get(b + 1, i);
-    const double w = a[0][i] * b[0][i] + dot(va, vb);
-    const Plain v = b[0][i] * va - a[0][i] * vb - cross(va, vb);
-    const double s = dot(v, v);  // of the sine of half the angle; asin(x)/x to its 10th power
-    const double ratio = 1.0 + s * (1.0 / 6 + s * (3.0 / 40 + s * (5.0 / 112 + s * (35.0 / 1152 + s * (63.0 / 2816)))));
-    put(get(to, i) + (std::copysign(2.0, w) * weight * ratio) * v, to, i);
-  }
+/// From rotation about a principal axis and from the separatrix, whichever is nearer: a number up to 1.
+double distance_of(const Vector3& inverse_moments, const Vector3& momentum_body) {
+  const Vector3 m = momentum_body.normalized(), d = less_mean(inverse_moments, m);
+  const double across = d.cwiseProduct(m).norm() / m.cwiseProduct(inverse_moments).norm();
+  std::array<double, 3> ascending{d[0], d[1], d[2]};
+  std::sort(ascending.begin(), ascending.end());
+  const double from_separatrix = std::abs(ascending[1]) / std::sqrt(-ascending[0] * ascending[2]);
+  return across > 0.0 ? std::min(across, from_separatrix) : 0.0;
+}
+
+/// Of the attitude that differs from a free motion's by a rotation vector 2 sin(angle/2).
+Quaternion deviation(const double* theta) {
+  const double s = 0.25 * (theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]);
+  return {std::sqrt(std::max(0.0, 1.0 - s)), 0.5 * theta[0], 0.5 * theta[1], 0.5 * theta[2]};
 }
 
 }  // namespace
 
-namespace variation {
-
-/// Times, and what the free motion and its derivatives are there; all inertial.
-struct Places {
-  AtPoints since_base_s;
-  AtPoints q[4];
-  AtPoints omega[3], by_first[3], by_second[3];
-  AtPoints inverse_inertia[6];  // 11, 22, 33, 23, 31, 12
-  AtPoints inverse[3][3];       // of (along, by_first, by_second)
-};
-
-/// What the body feels at the points of a window, inertial.
-struct Felt {
-  AtPoints torque[3] = {};
-  AtPoints relaxation[3] = {};  // what internal dissipation adds to the rate
-};
-
-}  // namespace variation
-
-Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
-                        double difference_rad)
+Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial)
     : base_s(t_s),
       momentum(momentum_inertial),
-      magnitude(momentum.norm()),
-      along(momentum / magnitude),
       omega(q * Vector3((q.conjugate() * momentum).cwiseQuotient(moments))),
-      across_rad_s((omega - omega.dot(along) * along).norm()),
-      first(across_rad_s > 1e-4 * omega.norm() ? Vector3((omega - omega.dot(along) * along) / across_rad_s)
-                                               : along.unitOrthogonal()),
-      second(along.cross(first)),
-      free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step),
-      about_second(neighbours(moments, q, momentum, difference_rad * second)) {
-  if (across_rad_s > 1e-4 * omega.norm()) return;
-  // NOLINTNEXTLINE(modernize-make-unique): the motions cannot be moved
-  about_first.reset(new Neighbours(neighbours(moments, q, momentum, difference_rad * first)));
+      mean_of_inverse_moments(polhode::mean_of_inverse_moments(q.conjugate() * momentum, moments)),
+      distance(distance_of(moments.cwiseInverse(), q.conjugate() * momentum)),
+      free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step) {
+  const Vector3 b = moments.cwiseInverse(), along = momentum.normalized(), m = q.conjugate() * along;
+  const Vector3 d = less_mean(b, m);
+  variation::Reference& r = reference;
+  for (int k = 0; k < 3; ++k) r.moments[k] = moments[k], r.inverse_moments[k] = b[k], r.along[k] = along[k];
+  r.magnitude = momentum.norm();
+  r.along_rad_s = omega.dot(along);
+  r.across_rad_s = r.magnitude * d.cwiseProduct(m).norm();
+  const double by = r.across_rad_s / (d[0] * d[1] * d[2]);
+  r.shear_by_swing = by * (b[0] - b[1]) * (b[0] - b[2]) * (b[1] - b[2]);
+  r.shear_by_rate = -by / (r.magnitude * r.magnitude * r.magnitude);
+  r.shear_at_base = -r.shear_by_swing * m.prod() / (r.across_rad_s * r.across_rad_s);
 }
 
-namespace {
-
-POLHODE_WIDE void find_inertia(const AtPoints* q, Plain inverse_moments, Plain momentum, int count, AtPoints* inverse,
-                               AtPoints* omega) {
-  for (int i = 0; i < count; ++i) {
-    const double w = q[0][i], x = q[1][i], y = q[2][i], z = q[3][i];
-    const Plain e1{1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)};
-    const Plain e2{2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)};
-    const Plain e3{2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)};
-    const Plain f1 = inverse_moments.x * e1, f2 = inverse_moments.y * e2, f3 = inverse_moments.z * e3;
-    inverse[0][i] = e1.x * f1.x + e2.x * f2.x + e3.x * f3.x;
-    inverse[1][i] = e1.y * f1.y + e2.y * f2.y + e3.y * f3.y;
-    inverse[2][i] = e1.z * f1.z + e2.z * f2.z + e3.z * f3.z;
-    inverse[3][i] = e1.y * f1.z + e2.y * f2.z + e3.y * f3.z;
-    inverse[4][i] = e1.z * f1.x + e2.z * f2.x + e3.z * f3.x;
-    inverse[5][i] = e1.x * f1.y + e2.x * f2.y + e3.x * f3.y;
-    put(dot(f1, momentum) * e1 + dot(f2, momentum) * e2 + dot(f3, momentum) * e3, omega, i);
-  }
-}
-
-POLHODE_WIDE void find_first(const AtPoints* omega, Plain middle, double across, int count, AtPoints* by_first) {
-  for (int i = 0; i < count; ++i) put((1.0 / across) * (get(omega, i) - middle), by_first, i);
-}
-
-POLHODE_WIDE void invert(Plain along, const AtPoints* by_first, const AtPoints* by_second, int count,
-                         AtPoints (*inverse)[3]) {
-  for (int i = 0; i < count; ++i) {
-    const Plain a = get(by_first, i), b = get(by_second, i);
-    const Plain ab = cross(a, b);
-    const double reciprocal = 1.0 / dot(along, ab);
-    put(reciprocal * ab, inverse[0], i);
-    put(reciprocal * cross(b, along), inverse[1], i);
-    put(reciprocal * cross(along, a), inverse[2], i);
-  }
-}
-
-}  // namespace
-
-void Variation::find_places(const Epoch& epoch, int count, variation::Places& p) const {
-  const int padded = (count + kTogether - 1) / kTogether * kTogether;
-  std::fill(p.since_base_s + count, p.since_base_s + padded, p.since_base_s[count - 1]);
-  const TimeArrays times{{p.since_base_s, static_cast<std::size_t>(padded)}};
-  const auto attitudes = [&](const ThetaMotion& motion, AtPoints* q) {
-    StateArrays out;
-    for (int k = 0; k < 4; ++k) out.q[k] = q[k];
-    out.q_stride = 1;
-    motion.batch(times, out);
+Variation::Coefficients Variation::begin_epoch(double t_s, const Quaternion& q, const Vector3& momentum_inertial) {
+  Coefficients y = Coefficients::Zero();
+  const auto distance = [&](const Quaternion& of) {
+    return distance_of(moments_.cwiseInverse(), of.conjugate() * momentum_inertial);
   };
-  const auto derivative = [&](const Epoch::Neighbours& turned, AtPoints* to) {
-    constexpr double weights[] = {45.0, -9.0, 1.0};
-    for (int k = 0; k < 3; ++k) std::fill(to[k], to[k] + padded, 0.0);
-    for (std::size_t n = 0; n < 3; ++n) {
-      AtPoints plus[4], minus[4];
-      attitudes(turned[3 + n], plus);
-      attitudes(turned[2 - n], minus);
-      add_rotation_vectors(plus, minus, weights[n] / (60.0 * difference_rad_), padded, to);
+  Quaternion reference = q;
+  if (distance(q) < kNear) {
+    for (int i = 0; i < 6; ++i) {
+      const double turn_rad = i < 3 ? kTurnedAside_rad : -kTurnedAside_rad;
+      const Quaternion aside = q * Quaternion(Eigen::AngleAxisd(turn_rad, Vector3::Unit(i % 3)));
+      if (distance(aside) > distance(reference)) reference = aside;
     }
-  };
-  attitudes(epoch.free, p.q);
-  find_inertia(p.q, plain(inverse_moments_), plain(epoch.momentum), padded, p.inverse_inertia, p.omega);
-  derivative(epoch.about_second, p.by_second);
-  if (epoch.about_first != nullptr) {
-    derivative(*epoch.about_first, p.by_first);
-  } else {
-    // A turn by the rate across the momentum is a shift in time and a turn about the momentum.
-    find_first(p.omega, plain(epoch.omega.dot(epoch.along) * epoch.along), epoch.across_rad_s, padded, p.by_first);
   }
-  invert(plain(epoch.along), p.by_first, p.by_second, padded, p.inverse);
+  const bool is_aside = distance(reference) > distance(q);
+  epochs_.emplace_back(t_s, moments_, reference, momentum_inertial);
+  const Epoch& epoch = epochs_.back();
+  if (!is_aside || epoch.distance < kTooNear) return y;
+  // What leads back from the motion turned aside.
+  const Quaternion away = q * reference.conjugate();
+  const Vector3 theta = std::copysign(2.0, away.w()) * away.vec();
+  const Vector3 along = momentum_inertial.normalized();
+  const Vector3 first = (epoch.omega - epoch.omega.dot(along) * along).normalized();
+  y[3] = theta.dot(along);
+  y[4] = theta.dot(first);
+  y[5] = theta.dot(along.cross(first));
+  return y;
 }
 
-namespace {
-
-/// The rotation vector of the deviation at a point.
-[[gnu::always_inline]] inline Plain angle(const variation::Places& p, int i, Plain along, Plain mu, const double* a) {
-  return cross(along, mu) + (dot(along, mu) * p.since_base_s[i]) * get(p.omega, i) + a[0] * along +
-         a[1] * get(p.by_first, i) + a[2] * get(p.by_second, i);
+void Variation::find_places(const Epoch& epoch, int from, int to, variation::Places& p) const {
+  StateArrays out;
+  for (int k = 0; k < 4; ++k) out.q[k] = p.q[k] + from;
+  out.q_stride = 1;
+  epoch.free.batch({{p.since_base_s + from, static_cast<std::size_t>(to - from)}}, out);
+  kernel_.find_places(epoch.reference, from, to, p);
 }
 
-/// The rates of the coefficients y at the points (variation.md, "The equations of what differs"), free of differences
-/// between near numbers.
-POLHODE_WIDE void find_rates(const variation::Places& p, const variation::Felt& felt, Plain along, double magnitude,
-                             const double (*y)[kPoints], double (*__restrict rates)[kPoints]) {
-  const double reciprocal = 1.0 / magnitude;
-  for (int i = 0; i < kPoints; ++i) {
-    const Plain mu = reciprocal * Plain{y[0][i], y[1][i], y[2][i]};  // all momenta in units of the free motion's
-    const double a[3] = {y[3][i], y[4][i], y[5][i]};
-    const Plain theta = angle(p, i, along, mu, a);
-    const double s = 0.25 * dot(theta, theta);
-    const double c = std::sqrt(std::abs(1.0 - s)), less = s / (1.0 + c);  // 1 - c
-    const auto inverse_inertia = [&p, i, magnitude ](Plain v) __attribute__((always_inline)) {
-      const AtPoints* j = p.inverse_inertia;
-      return magnitude * Plain{j[0][i] * v.x + j[5][i] * v.y + j[4][i] * v.z,
-                               j[5][i] * v.x + j[1][i] * v.y + j[3][i] * v.z,
-                               j[4][i] * v.x + j[3][i] * v.y + j[2][i] * v.z};
-    };
-    // The momentum turned back, less the free motion's; `second` is its part of second order.
-    const Plain turned = cross(theta, along), turned_mu = cross(theta, mu);
-    const Plain second = less * turned - c * turned_mu + 0.5 * cross(theta, turned + turned_mu);
-    const Plain momentum = mu - turned + second;
-    // N, and the rate less the free motion's.
-    const Plain omega = get(p.omega, i), rate = inverse_inertia(momentum);
-    const Plain relaxation = get(felt.relaxation, i);
-    const Plain turned_omega = cross(theta, omega), turned_rate = cross(theta, rate);
-    const Plain twice = cross(theta, turned_omega + turned_rate);
-    const Plain more = rate + c * (turned_omega + turned_rate) + 0.5 * twice + relaxation;
-    const Plain n = inverse_inertia(second) - less * rate - s * turned_omega + (c * c) * turned_rate +
-                    (0.5 * c) * twice + c * relaxation + 0.5 * cross(more, theta);
-    const Plain torque = get(felt.torque, i), relative = reciprocal * torque;
-    const Plain rest = n - cross(along, relative) - (dot(along, relative) * p.since_base_s[i]) * omega;
-    rates[0][i] = torque.x;
-    rates[1][i] = torque.y;
-    rates[2][i] = torque.z;
-    rates[3][i] = dot(get(p.inverse[0], i), rest);
-    rates[4][i] = dot(get(p.inverse[1], i), rest);
-    rates[5][i] = dot(get(p.inverse[2], i), rest);
+FreeState Variation::state(const Epoch& epoch, const variation::Places& p, const double (*values)[kSlots],
+                           int in_slot) const {
+  double theta[3];
+  kernel_.angle(epoch.reference, p, values, in_slot, theta);
+  const Quaternion free(p.q[0][in_slot], p.q[1][in_slot], p.q[2][in_slot], p.q[3][in_slot]);
+  const Quaternion q = (deviation(theta) * free).normalized();
+  const Vector3 moved(values[0][in_slot], values[1][in_slot], values[2][in_slot]);
+  return {q, q.conjugate() * Vector3(epoch.momentum + moved)};
+}
+
+Quaternion Variation::end_of(const Epoch& epoch, const variation::Places& p, const InSlots* values) const {
+  // The attitudes of a free motion are off by roundings that depend on its phase; those that are of the energy, a few
+  // epochs of the same kind would add up, and energy is time.
+  const Quaternion free = Quaternion(p.q[0][kLast], p.q[1][kLast], p.q[2][kLast], p.q[3][kLast]).normalized();
+  const Vector3 m = free.conjugate() * epoch.momentum,
+                across(p.across[0][kLast], p.across[1][kLast], p.across[2][kLast]);
+  const double excess = mean_of_inverse_moments(m, moments_) - epoch.mean_of_inverse_moments;
+  const Vector3 back =
+      0.5 * excess * epoch.reference.magnitude * p.reciprocal_square[kLast] * epoch.momentum.normalized().cross(across);
+  const Quaternion turn(1.0, 0.5 * back[0], 0.5 * back[1], 0.5 * back[2]);
+  return (turn * state(epoch, p, values, kLast).q_inertial_from_body).normalized();
+}
+
+/// Picard's iteration over one window.
+class Variation::Sweeps {
+ public:
+  Sweeps(Variation& of, variation::Orbits& orbits)
+      : of_(of), kernel_(of.kernel_), orbits_of_(orbits), trajectories_(of.torques_.trajectories().size()) {}
+
+  /// A window from t, of the epoch, with the coefficients and the shear there: the coarse grid alone.
+  void begin(const Epoch& epoch, double t_s, double half_s, const Coefficients& y, double shear) {
+    epoch_ = &epoch;
+    half_s_ = half_s;
+    shear_ = shear;
+    grid_ = &coarse_grid();
+    if (relaxes_) felt_ = {};
+    first_is_known_ = false;
+    for (int i = 0; i <= kFine; ++i) {
+      places_.since_base_s[slot(i)] = (t_s - epoch.base_s) + half_s * (1.0 + chebyshev_point(i, kFine));
+    }
+    fill_up(places_.since_base_s);
+    for (int k = 0; k < kCoefficients; ++k) {
+      std::fill(start_[k], start_[k] + kSlots, y[k]);
+      std::fill(values_[k], values_[k] + kSlots, y[k]);
+    }
+    find_places(0, kCoarseSlots);
+    find_orbits(0, kCoarseSlots);
   }
-}
 
-}  // namespace
+  /// From now on all points.
+  void refine() {
+    grid_ = &fine_grid();
+    find_places(kCoarseSlots, kSlots);
+    find_orbits(kCoarseSlots, kSlots);
+    for (InSlots& values : values_) std::fill(values + kCoarseSlots, values + kSlots, 0.0);
+    kernel_.add_products(values_, kCoefficients, coarse_grid().rows, coarse_grid().interpolation, kCoarseSlots, kSlots,
+                         1.0, values_);
+  }
 
-FreeState Variation::state(const Epoch& epoch, const variation::Places& p, int i, const Coefficients& y) const {
-  const Plain theta = angle(p, i, plain(epoch.along), (1.0 / epoch.magnitude) * Plain{y[0], y[1], y[2]}, &y[3]);
-  const double s = 0.25 * dot(theta, theta);
-  FreeState state;
-  state.q_inertial_from_body = (Quaternion(std::sqrt(1.0 - s), 0.5 * theta.x, 0.5 * theta.y, 0.5 * theta.z) *
-                                Quaternion(p.q[0][i], p.q[1][i], p.q[2][i], p.q[3][i]))
-                                   .normalized();
-  state.momentum_body = state.q_inertial_from_body.conjugate() * Vector3(epoch.momentum + y.head<3>());
-  return state;
-}
+  /// Takes the torque at the points of `grid` anew, then all rates; how far the coefficients moved.
+  Coefficients sweep(const Grid& grid) {
+    of_.evaluations_ += static_cast<std::size_t>(grid.degree + (first_is_known_ ? 0 : 1));
+    first_is_known_ = true;  // the values there stay
+    const bool all = grid.degree == grid_->degree;
+    variation::Felt& felt = all ? felt_ : felt_anew_;
+    std::memset(felt.torque, 0, sizeof felt.torque);
+    if (!of_.pulls_.empty()) {
+      kernel_.add_gravity_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, grid.slots,
+                                    felt.torque);
+    }
+    if (!of_.others_.empty()) feel_others(grid, felt);
+    if (!all) {
+      const auto correct = [&](InSlots* now, InSlots* known) {
+        for (int k = 0; k < 3; ++k) {
+          for (int i = 0; i < kCoarseSlots; ++i) {
+            now[k][i] -= known[k][i];
+            known[k][i] += now[k][i];
+          }
+        }
+        kernel_.add_products(now, 3, grid.rows, grid.interpolation, kCoarseSlots, kSlots, 1.0, known);
+      };
+      correct(felt.torque, felt_.torque);
+      if (relaxes_) correct(felt.relaxation, felt_.relaxation);
+    }
+    kernel_.find_rates(epoch_->reference, places_, felt_, values_, grid_->slots, rates_);
+    Coefficients changes;
+    kernel_.integrate(*grid_, rates_, half_s_, start_, values_, changes.data());
+    return changes;
+  }
 
-void Variation::feel(const Epoch& epoch, const variation::Places& p, int i, const Coefficients& y,
-                     const Torques::Surroundings<double>& surroundings, Vector3& torque, Vector3& relaxation) {
-  ++evaluations_;
-  const Plain theta = angle(p, i, plain(epoch.along), (1.0 / epoch.magnitude) * Plain{y[0], y[1], y[2]}, &y[3]);
-  const double s = 0.25 * dot(theta, theta);
-  const Quaternion e(std::sqrt(std::max(0.0, 1.0 - s)), 0.5 * theta.x, 0.5 * theta.y, 0.5 * theta.z);
-  const Matrix3 rotation = (e * Quaternion(p.q[0][i], p.q[1][i], p.q[2][i], p.q[3][i])).toRotationMatrix();
-  const Vector3 m = rotation.transpose() * (epoch.momentum + y.head<3>());
-  const Vector3 omega = m.cwiseProduct(inverse_moments_);
-  const TorqueTerms<double> terms = torques_.at(surroundings, rotation, moments_);
-  torque = rotation * terms.torque(omega);
-  if (terms.relaxation != 0.0) relaxation = rotation * (terms.relaxation * m.cross(omega));
-}
+  /// The largest part of its distance that a body moves from one coarse point to the next.
+  double longest_way() const {
+    double square = 0.0;
+    for (std::size_t l = 0; l < trajectories_; ++l) {
+      const InSlots* v = orbits_[l];
+      double before = 0.0;
+      for (int i = 0; i <= kLast; ++i) {
+        const double r2 = v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
+        const double v2 = v[3][i] * v[3][i] + v[4][i] * v[4][i] + v[5][i] * v[5][i];
+        const double here = v2 / r2, step_s = i == 0 ? 0.0 : places_.since_base_s[i] - places_.since_base_s[i - 1];
+        square = std::max(square, std::max(here, before) * (step_s * step_s));
+        before = here;
+      }
+    }
+    return std::sqrt(square);
+  }
+
+  variation::Spectrum spectrum() const {
+    variation::Spectrum spectrum;
+    kernel_.find_spectrum(*grid_, rates_, spectrum);
+    return spectrum;
+  }
+  /// Of the shear's rate: the larger of the last two Chebyshev coefficients, times what it is multiplied by.
+  double shear_tail() const {
+    double last[2] = {}, a2 = 0.0;
+    for (int j = 0; j < grid_->slots; ++j) {
+      for (int l = 0; l < 2; ++l) last[l] += grid_->coefficients[2 + l][j] * places_.shear_rate[j];
+      a2 = std::max(a2, std::abs(values_[5][j]));
+    }
+    return std::max(std::abs(last[0]), std::abs(last[1])) * a2 * epoch_->reference.across_rad_s;
+  }
+  /// At the end of the window: the angle of the deviation, and the larger of the derivatives.
+  double deviation_rad() const {
+    Vector3 theta;
+    kernel_.angle(epoch_->reference, places_, values_, kLast, theta.data());
+    return theta.norm();
+  }
+  double derivative() const {
+    const double across = 1.0 / std::sqrt(places_.reciprocal_square[kLast]);
+    const double first = across / epoch_->reference.across_rad_s;
+    return std::max(first, std::hypot(1.0 / first, (places_.shear_swing[kLast] + places_.shear[kLast]) * across));
+  }
+
+  const Grid& grid() const { return *grid_; }
+  bool on_all_points() const { return grid_->degree == kFine; }
+  const variation::Places& places() const { return places_; }
+  const InSlots* values() const { return values_; }
+
+ private:
+  void find_places(int from, int to) {
+    of_.find_places(*epoch_, from, to, places_);
+    std::fill(places_.shear, places_.shear + kSlots, shear_);
+    kernel_.add_products(&places_.shear_rate, 1, grid_->rows, grid_->integral, 0, grid_->slots, half_s_,
+                         &places_.shear);
+  }
+
+  void find_orbits(int from, int to) {
+    for (std::size_t l = 0; l < trajectories_; ++l) {
+      orbits_of_.find(l, epoch_->base_s, places_.since_base_s, from, to, orbits_[l]);
+    }
+    for (std::size_t i = 0; i < of_.pulls_.size(); ++i) {
+      const Torques::Pull& pull = of_.pulls_[i];
+      kernel_.find_pull(orbits_[pull.trajectory], std::sqrt(3.0 * pull.mu_m3_s2), from, to, pulls_ + 3 * i);
+    }
+  }
+
+  /// The torques other than gravity gradients, one point after the other.
+  void feel_others(const Grid& grid, variation::Felt& felt) {
+    relaxes_ = false;
+    Torques::Surroundings<double> around;
+    for (int j = 0; j <= grid.degree; ++j) {
+      const int i = slot(j * (kFine / grid.degree));
+      for (std::size_t l = 0; l < trajectories_; ++l) {
+        const InSlots* v = orbits_[l];
+        around[l] = {{v[0][i], v[1][i], v[2][i]}, {v[3][i], v[4][i], v[5][i]}};
+      }
+      const FreeState state = of_.state(*epoch_, places_, values_, i);
+      const Matrix3 rotation = state.q_inertial_from_body.toRotationMatrix();
+      const Vector3 omega = state.momentum_body.cwiseQuotient(of_.moments_);
+      const TorqueTerms<double> terms = of_.others_.at(around, rotation, of_.moments_);
+      const Vector3 torque = rotation * terms.torque(omega);
+      for (int k = 0; k < 3; ++k) felt.torque[k][i] += torque[k];
+      if (terms.relaxation == 0.0) continue;
+      relaxes_ = true;
+      const Vector3 relaxation = rotation * (terms.relaxation * state.momentum_body.cross(omega));
+      for (int k = 0; k < 3; ++k) felt.relaxation[k][i] = relaxation[k];
+    }
+  }
+
+  Variation& of_;
+  const variation::Kernel& kernel_;
+  variation::Orbits& orbits_of_;
+  std::size_t trajectories_;
+  const Epoch* epoch_ = nullptr;
+  double half_s_ = 0.0, shear_ = 0.0;
+  const Grid* grid_ = nullptr;
+  bool relaxes_ = false, first_is_known_ = false;
+  variation::Places places_;
+  InSlots orbits_[Torques::kMostTrajectories][6];  // positions and velocities, inertial
+  InSlots pulls_[3 * Torques::kMostTrajectories];
+  variation::Felt felt_, felt_anew_;
+  InSlots start_[kCoefficients], values_[kCoefficients], rates_[kCoefficients];
+};
 
 Variation::Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
                      std::size_t max_torque_evaluations)
     : torques_(torques),
+      others_(torques.without_pulls()),
+      pulls_(torques.pulls()),
+      kernel_(variation::best_kernel()),
       moments_(start.principal_moments),
-      inverse_moments_(start.principal_moments.cwiseInverse()),
       start_s_(start_s),
-      start_{start.q_inertial_from_body.normalized(), start.momentum_body},
-      difference_rad_(kDifference_rad * std::pow(tolerance, 1.0 / 16.0)) {
-  static const Grid coarse(kFinest / 2), fine(kFinest);
+      start_{start.q_inertial_from_body.normalized(), start.momentum_body} {
   whole_ = start_s == end_s;
-  if (whole_ || !(start.momentum_body.norm() > 0.0)) return;
+  if (whole_ || !(start.momentum_body.norm() > 0.0) || pulls_.size() > Torques::kMostTrajectories) return;
   const double span_s = std::abs(end_s - start_s);
-  const Vector3 momentum = start_.q_inertial_from_body * start_.momentum_body;
-  epochs_.emplace_back(start_s, moments_, start_.q_inertial_from_body, momentum, difference_rad_);
-  Coefficients y = Coefficients::Zero();
-  double t = start_s, wanted_rad = 4.0;
+  Coefficients y =
+      begin_epoch(start_s, start_.q_inertial_from_body, start_.q_inertial_from_body * start_.momentum_body);
+  double t = start_s, shear = epochs_.back().reference.shear_at_base;
   double stiffness = kUnknown;
   const double shorter = std::pow(std::min(tolerance, 1e-5), 1.0 / 40.0);
-  variation::Places places;
-  std::array<Torques::Surroundings<double>, kDegree + 1> surroundings;
+  double wanted_rad = shorter * kFirstWindow_rad;
+  variation::Orbits orbits(torques_.trajectories(), end_s, kernel_);
+  Sweeps sweeps(*this, orbits);
   while (t != end_s) {
+    surroundings_ = orbits.asked();
     const Epoch& epoch = epochs_.back();
-    const Plain along = plain(epoch.along);
+    if (epoch.distance < kTooNear) return;
     const double rate_rad_s = epoch.omega.norm();
     const double remaining_s = std::abs(end_s - t);
-    double length_s = std::min(wanted_rad / rate_rad_s, shorter * kWindowTimeScaleShare * torques_.time_scale_s(t));
+    double length_s = wanted_rad / rate_rad_s;
     if (length_s > 0.999 * remaining_s) {
       length_s = remaining_s;
     } else if (length_s > 0.5 * remaining_s) {
@@ -351,127 +380,95 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     const double allowed = tolerance * std::sqrt(length_s / span_s);
     // A momentum off by a part d turns the body d omega t away in the time that is left; but errors swing.
     const double weight = std::sqrt(1.0 + rate_rad_s * remaining_s);
-    const auto size = [&](const Coefficients& c) {
-      return c.tail<3>().cwiseAbs().maxCoeff() + c.head<3>().cwiseAbs().maxCoeff() / epoch.magnitude * weight;
+    const auto size = [&](const auto& c) {
+      const double momentum = std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2])});
+      return std::max({std::abs(c[3]), std::abs(c[4]), std::abs(c[5])}) + momentum / epoch.reference.magnitude * weight;
     };
-
-    for (int i = 0; i <= kDegree; ++i) {
-      places.since_base_s[i] = (t - epoch.base_s) + half_s * (1.0 + chebyshev_point(i, kDegree));
-    }
-    find_places(epoch, kDegree + 1, places);
-    std::array<bool, kDegree + 1> surrounded{};
-    const Values start_values = y.replicate<1, kPoints>();
-    Values values = start_values, rates;
-    variation::Felt felt;
-    bool first_is_known = false;
-    // Takes the torque at the grid's points anew, then the rates at all points; returns how far the values moved.
-    const auto sweep = [&](const Grid& grid) {
-      AtPoints change[6] = {};
-      bool relaxes = false;
-      for (int j = first_is_known ? 1 : 0; j <= grid.degree; ++j) {
-        const int i = j * grid.stride;
-        auto& around = surroundings[static_cast<std::size_t>(i)];
-        if (!surrounded[static_cast<std::size_t>(i)]) {
-          around = torques_.surroundings(epoch.base_s + places.since_base_s[i]);
-          surrounded[static_cast<std::size_t>(i)] = true;
-        }
-        Vector3 torque = Vector3::Zero(), relaxation = Vector3::Zero();
-        feel(epoch, places, i, values.col(i), around, torque, relaxation);
-        for (int k = 0; k < 3; ++k) {
-          change[k][i] = torque[k] - felt.torque[k][i];
-          change[3 + k][i] = relaxation[k] - felt.relaxation[k][i];
-          relaxes = relaxes || change[3 + k][i] != 0.0;
-        }
-      }
-      first_is_known = true;  // the values there stay
-      for (int k = 0; k < (relaxes ? 6 : 3); ++k) {
-        AtPoints& to = k < 3 ? felt.torque[k] : felt.relaxation[k - 3];
-        add_products(change[k], grid.stride, grid.degree + 1, grid.interpolation, 1.0, to);
-      }
-      const auto rows = [](Values& v) { return reinterpret_cast<double(*)[kPoints]>(v.data()); };
-      Values moved = -values;
-      double last = 0.0;
-      for (int following = 0; following < 2 && !(last <= kLeft * allowed && following > 0); ++following) {
-        find_rates(places, felt, along, epoch.magnitude, rows(values), rows(rates));
-        values = start_values;
-        for (int k = 0; k < 6; ++k) add_products(&rates(k, 0), 1, kDegree + 1, fine.integral, half_s, &values(k, 0));
-        last = size((moved + values).cwiseAbs().rowwise().maxCoeff());
-      }
-      moved += values;
-      return size(moved.cwiseAbs().rowwise().maxCoeff());
-    };
-    double before = 0.0, moved = sweep(coarse);
     // What is beyond degree n integrates to less by n^2 at the end, where errors go on, and by 2n between the points.
     const auto truncation_of = [&](double last_coefficient, int n) {
       const double tail = std::abs(half_s) * last_coefficient;
       return std::max(tail / (n * n) / allowed, tail / (2 * n) / weight / tolerance);
     };
-    double last_torque = 0.0, largest_torque = 0.0;
-    for (const AtPoints& torque : felt.torque) {
-      double last[2] = {};
-      for (int j = 0; j <= coarse.degree; ++j) {
-        const double here = torque[j * coarse.stride];
-        for (int k = 0; k < 2; ++k) last[k] += coarse.coefficients[j][2 + k] * here;
-        largest_torque = std::max(largest_torque, std::abs(here));
-      }
-      last_torque = std::max({last_torque, std::abs(last[0]), std::abs(last[1])});
+
+    orbits.cover(t, to_s, kOrbitShare * allowed);
+    sweeps.begin(epoch, t, half_s, y, shear);
+    const auto hopeless = [&] {
+      return evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
+             static_cast<double>(evaluations_) >
+                 1000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s);
+    };
+    const double way = sweeps.longest_way() / (shorter * kLongestWay);
+    if (way > 1.0) {
+      wanted_rad = length_s * rate_rad_s * std::max(0.1, 0.9 / way);
+      if (hopeless()) return;
+      continue;
     }
-    const bool coarse_resolves = last_torque <= kDecayed * largest_torque &&
-                                 truncation_of(last_torque / epoch.magnitude * (1.0 + weight), coarse.degree) <= 1.0;
-    int sweeps = 1;
+    double before = 0.0, moved = size(sweeps.sweep(coarse_grid()));
+    int count = 1;
     // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
     const auto left = [&] {
-      return moved * std::min(1.0, sweeps == 1 ? kStiffer * stiffness * moved / weight : moved / before);
+      return moved * std::min(1.0, count == 1 ? kStiffer * stiffness * moved / weight : moved / before);
     };
-    if (!coarse_resolves) {
-      before = moved;
-      moved = sweep(fine);
-      ++sweeps;
+    double truncation = 0.0, missed_by_coarse = 0.0;
+    const auto resolved = [&] {
+      const variation::Spectrum spectrum = sweeps.spectrum();
+      const auto& c = spectrum.coefficients;
+      const double last = std::max({size(c[2]), size(c[3]), sweeps.shear_tail()}), largest = size(spectrum.largest);
+      truncation = truncation_of(last, sweeps.grid().degree);
+      missed_by_coarse = 3.0 * std::max(size(c[0]), size(c[1])) / largest;
+      return truncation <= 1.0 && (sweeps.on_all_points() || last <= kDecayed * largest);
+    };
+    bool good = resolved();
+    for (;;) {
+      if (!good) {
+        if (sweeps.on_all_points()) break;
+        sweeps.refine();
+        before = moved;
+        moved = size(sweeps.sweep(fine_grid()));
+        ++count;
+        good = resolved();
+        continue;
+      }
+      for (; left() > kLeft * allowed && count < kMostSweeps && (count == 1 || moved < 0.5 * before); ++count) {
+        const bool coarse_will_do =
+            sweeps.on_all_points() && left() * std::max(missed_by_coarse, moved / before) <= kLeft * allowed;
+        before = moved;
+        moved = size(sweeps.sweep(coarse_will_do ? coarse_grid() : sweeps.grid()));
+        if (count == 1) {
+          stiffness = std::max(stiffness == kUnknown ? 0.0 : stiffness, moved / before / (before / weight));
+        }
+      }
+      if (sweeps.on_all_points()) break;
+      // With the first sweep alone the square of the deviation was not yet seen.
+      good = resolved();
+      if (good) break;
     }
-    std::array<Coefficients, 4> spectrum;
-    spectrum.fill(Coefficients::Zero());
-    double largest = 0.0;
-    for (int j = 0; j <= kDegree; ++j) {
-      for (std::size_t k = 0; k < 4; ++k) spectrum[k] += fine.coefficients[j][k] * rates.col(j);
-      largest = std::max(largest, size(rates.col(j)));
-    }
-    const double missed_by_coarse =
-        coarse_resolves ? 0.0 : 3.0 * std::max(size(spectrum[0]), size(spectrum[1])) / largest;
-    const double truncation = truncation_of(std::max(size(spectrum[2]), size(spectrum[3])), kDegree);
-    for (; left() > kLeft * allowed && sweeps < kMostSweeps && (sweeps == 1 || moved < 0.5 * before); ++sweeps) {
-      const bool coarse_will_do = left() * std::max(missed_by_coarse, moved / before) <= kLeft * allowed;
-      before = moved;
-      moved = sweep(sweeps == 1 || coarse_will_do ? coarse : fine);
-      if (sweeps == 1)
-        stiffness = std::max(stiffness == kUnknown ? 0.0 : stiffness, moved / before / (before / weight));
+    if (!good) {
+      wanted_rad = length_s * rate_rad_s * std::clamp(0.9 * std::pow(truncation, -1.0 / kCoarse), 0.3, 0.9);
+      if (hopeless()) return;
+      continue;
     }
     const bool converged = left() <= kLeft * allowed;
-    const bool good = converged && truncation <= 1.0;
-    double factor = 0.5;
-    if (converged && std::isfinite(truncation)) {
-      factor = 0.9 * std::pow(std::max(truncation, 1e-300), -1.0 / kDegree);
+    const double factor = converged ? 0.9 * std::pow(std::max(truncation, 1e-300), -1.0 / sweeps.grid().degree) : 0.5;
+    wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, 1.6), shorter * kLongestWindow_rad);
+    if (hopeless()) return;
+    if (!converged) continue;
+    windows_.push_back({t, to_s - t, epochs_.size() - 1, values_.size(), sweeps.grid().degree});
+    for (int k = 0; k <= kCoefficients; ++k) {
+      const double* of = k < kCoefficients ? sweeps.values()[k] : sweeps.places().shear;
+      values_.insert(values_.end(), of, of + kCoarse + 1);
+      if (sweeps.on_all_points()) values_.insert(values_.end(), of + kCoarseSlots, of + kCoarseSlots + kCoarse);
     }
-    wanted_rad =
-        std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, good ? 1.6 : 0.9), shorter * kLongestWindow_rad);
-    if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
-        static_cast<double>(evaluations_) > 1000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
-      return;
-    }
-    if (!good) continue;
-    windows_.push_back({t, to_s - t, epochs_.size() - 1, values});
     t = to_s;
-    y = values.col(kDegree);
-    const Plain mu = (1.0 / epoch.magnitude) * Plain{y[0], y[1], y[2]};
-    const Plain theta = angle(places, kDegree, along, mu, &y[3]);
-    const auto length = [](Plain v) { return std::sqrt(dot(v, v)); };
-    if (length(theta) > kLargestDeviation_rad ||
-        std::abs(places.since_base_s[kDegree]) * rate_rad_s > kLongestEpoch_rad ||
-        std::max(length(get(places.by_first, kDegree)), length(get(places.by_second, kDegree))) > kLargestDerivative) {
-      const Quaternion q = state(epoch, places, kDegree, y).q_inertial_from_body;
-      epochs_.emplace_back(t, moments_, q, epoch.momentum + y.head<3>(), difference_rad_);
-      y.setZero();
+    for (int k = 0; k < kCoefficients; ++k) y[k] = sweeps.values()[k][kLast];
+    shear = sweeps.places().shear[kLast];
+    if (sweeps.deviation_rad() > kLargestDeviation_rad || sweeps.derivative() > kLargestDerivative ||
+        std::abs(t - epoch.base_s) * rate_rad_s > kLongestEpoch_rad) {
+      y = begin_epoch(t, end_of(epoch, sweeps.places(), sweeps.values()), epoch.momentum + y.head<3>());
+      shear = epochs_.back().reference.shear_at_base;
     }
   }
+  surroundings_ = orbits.asked();
   whole_ = true;
 }
 
@@ -484,24 +481,75 @@ FreeState Variation::at(double t_high_s, double t_low_s) const {
   const Window& window = after == windows_.begin() ? *after : *(after - 1);
   // The barycentric formula (Berrut & Trefethen, SIAM Rev. 46, 501, 2004).
   const double x = 2.0 * ((t_high_s - window.first_s) + t_low_s) / window.length_s - 1.0;
-  Coefficients sum = Coefficients::Zero();
-  double weights = 0.0;
-  for (int i = 0; i <= kDegree; ++i) {
-    const double away = x - chebyshev_point(i, kDegree);
-    if (away == 0.0) {
-      sum = window.coefficients.col(i);
-      weights = 1.0;
-      break;
-    }
-    const double weight = (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == kDegree ? 0.5 : 1.0) / away;
-    sum += weight * window.coefficients.col(i);
+  const int n = window.degree;
+  const double* const values = &values_[window.values];
+  double sums[kCoefficients + 1] = {}, weights = 0.0;
+  for (int i = 0; i <= n; ++i) {
+    const double away = x - chebyshev_point(i, n), *const here =
+                                                       values + (n == kFine && i % 2 == 1 ? kCoarse + 1 + i / 2
+                                                                                          : i * kCoarse / n);
+    const double weight = away == 0.0 ? 1.0 : (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == n ? 0.5 : 1.0) / away;
+    if (away == 0.0) std::fill(sums, sums + kCoefficients + 1, weights = 0.0);
+    for (int k = 0; k <= kCoefficients; ++k) sums[k] += weight * here[k * (n + 1)];
     weights += weight;
+    if (away == 0.0) break;
   }
   const Epoch& epoch = epochs_[window.epoch];
   variation::Places place;
-  place.since_base_s[0] = (t_high_s - epoch.base_s) + t_low_s;
-  find_places(epoch, 1, place);
-  return state(epoch, place, 0, sum / weights);
+  constexpr int kRegister = 8;
+  std::fill(place.since_base_s, place.since_base_s + kRegister, (t_high_s - epoch.base_s) + t_low_s);
+  find_places(epoch, 0, kRegister, place);
+  InSlots y[kCoefficients];
+  for (int k = 0; k < kCoefficients; ++k) y[k][0] = sums[k] / weights;
+  place.shear[0] = sums[kCoefficients] / weights;
+  return state(epoch, place, y, 0);
 }
+
+namespace variation {
+
+extern const Kernel k_kernel_baseline;
+#ifdef POLHODE_X86_TARGETS
+extern const Kernel k_kernel_avx2;
+extern const Kernel k_kernel_avx512;
+#endif
+
+const Kernel& best_kernel() {
+  const std::string_view name = ThetaMotion::best_target().name;
+#ifdef POLHODE_X86_TARGETS
+  for (const Kernel* kernel : {&k_kernel_avx512, &k_kernel_avx2}) {
+    if (name == kernel->name) return *kernel;
+  }
+#endif
+  return k_kernel_baseline;
+}
+
+Grid::Grid(int n)
+    : degree(n), rows(n == kFine ? slot(kFine - 1) + 1 : n + 1), slots(n == kFine ? kSlots : kCoarseSlots) {
+  for (int j = 0; j <= n; ++j) {
+    const int in_slot = slot(j * (kFine / n));
+    // Of the polynomial that is 1 at point j and 0 at the others.
+    std::array<double, kFine + 3> value{}, sum{};
+    const auto ends = [n](int i) { return i == 0 || i == n ? 0.5 : 1.0; };
+    for (int k = 0; k <= n; ++k) {
+      value[k] = 2.0 / n * ends(j) * ends(k) * std::cos(std::numbers::pi * k * (n - j) / n);
+    }
+    for (int k = 1; k <= n + 1; ++k) {
+      sum[k] = ((k == 1 ? 2.0 : 1.0) * value[k - 1] - value[k + 1]) / (2.0 * k);
+      sum[0] += k % 2 == 0 ? -sum[k] : sum[k];
+    }
+    for (int k = 0; k < 4; ++k) coefficients[k][in_slot] = value[k < 2 ? n / 2 + k : n - 3 + k];
+    for (int i = 0; i <= kFine; ++i) {
+      const double angle = std::numbers::pi * (kFine - i) / kFine;
+      for (int k = 0; k <= n + 1; ++k) {
+        interpolation[in_slot][slot(i)] += value[k] * std::cos(k * angle);
+        integral[in_slot][slot(i)] += sum[k] * std::cos(k * angle);
+      }
+    }
+    fill_up(interpolation[in_slot]);
+    fill_up(integral[in_slot]);
+  }
+}
+
+}  // namespace variation
 
 }  // namespace polhode

@@ -1,20 +1,15 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <deque>
-#include <memory>
 #include <vector>
 
 #include "polhode/motion/motion.hpp"
 #include "polhode/motion/theta.hpp"
+#include "polhode/motion/variation/window.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
-
-namespace variation {
-struct Places;
-}
 
 /// Variation of constants around the exact free motion, for torques that are small beside the inertia forces
 /// (variation.md).
@@ -27,9 +22,6 @@ struct Places;
 /// and gains a factor of the size of the torque. The polynomials answer at any time of the window.
 class Variation {
  public:
-  static constexpr int kDegree = 24;           ///< of the polynomials
-  static constexpr int kPoints = kDegree + 4;  ///< of a window, and a few more, to make a whole number of registers
-
   /// From `start` at start_s to end_s, either direction. `tolerance` is the wanted error of the six coefficients at the
   /// end, in radians, or relative to the momentum; a window may take the root of its part of the span, since errors of
   /// windows hardly add up. `torques` must not jump in between.
@@ -44,6 +36,8 @@ class Variation {
   FreeState at(double t_high_s, double t_low_s = 0.0) const;
 
   std::size_t torque_evaluations() const { return evaluations_; }
+  /// How often the places on the trajectories of the torques were asked for.
+  std::size_t surroundings_found() const { return surroundings_; }
   std::size_t windows() const { return windows_.size(); }
   /// After that part, 0 to 1, of a window.
   double time_in_window_s(std::size_t i, double part) const {
@@ -51,50 +45,47 @@ class Variation {
   }
 
  private:
-  /// Momentum deviation (3, inertial), and the coefficients of the unit vector along the momentum and of
-  /// Places::by_first, by_second.
-  using Coefficients = Eigen::Matrix<double, 6, 1>;
-  /// Coefficient by point of a window, in order of time.
-  using Values = Eigen::Matrix<double, 6, kPoints, Eigen::RowMajor>;
+  using Coefficients = Eigen::Matrix<double, variation::kCoefficients, 1>;
 
-  /// One free motion, and neighbours that give its derivatives by the initial attitude.
+  /// One free motion.
   struct Epoch {
-    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
-          double difference_rad);
-    using Neighbours = std::array<ThetaMotion, 6>;
+    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
     double base_s;
-    Vector3 momentum;  ///< inertial
-    double magnitude;  ///< of the momentum
-    Vector3 along;     ///< unit vector of the momentum
-    Vector3 omega;     ///< rate at the base, inertial
-    double across_rad_s;
-    Vector3 first, second;  ///< unit vectors across the momentum; the rate has no part along `second`
+    Vector3 momentum;                ///< inertial
+    Vector3 omega;                   ///< rate at the base, inertial
+    double mean_of_inverse_moments;  ///< twice the energy over the square of the momentum
+    double distance;                 ///< from rotation about a principal axis and from the separatrix
     ThetaMotion free;
-    Neighbours about_second;                        ///< turned at the base about `second`
-    std::unique_ptr<const Neighbours> about_first;  ///< only where the rate is parallel to the momentum
+    variation::Reference reference;
   };
   struct Window {
     double first_s, length_s;  // signed length
     std::size_t epoch;
-    Values coefficients;
+    std::size_t values;  // the first of its own: the coefficients and the shear, each at the coarse points, then others
+    int degree;
   };
+  class Sweeps;
 
-  /// For the first `count` of places.since_base_s.
-  void find_places(const Epoch& epoch, int count, variation::Places& places) const;
-  FreeState state(const Epoch& epoch, const variation::Places& places, int i, const Coefficients& y) const;
-  /// The torque at one point; counts.
-  void feel(const Epoch& epoch, const variation::Places& places, int i, const Coefficients& y,
-            const Torques::Surroundings<double>& surroundings, Vector3& torque, Vector3& relaxation);
+  /// Adds one; the coefficients of its base.
+  Coefficients begin_epoch(double t_s, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
+  /// But for the shear, for some slots of places.since_base_s.
+  void find_places(const Epoch& epoch, int from, int to, variation::Places& places) const;
+  FreeState state(const Epoch& epoch, const variation::Places& places, const variation::InSlots* coefficients,
+                  int slot) const;
+  /// The attitude at the end of an epoch, less what the rounding of its free motion is in energy.
+  Quaternion end_of(const Epoch& epoch, const variation::Places& places, const variation::InSlots* coefficients) const;
 
-  Torques torques_;
-  Vector3 moments_, inverse_moments_;
+  Torques torques_, others_;  // others: without the gravity gradients
+  std::vector<Torques::Pull> pulls_;
+  const variation::Kernel& kernel_;
+  Vector3 moments_;
   double start_s_;
   FreeState start_;
-  double difference_rad_;  // by which neighbours are turned
   std::deque<Epoch> epochs_;
   std::vector<Window> windows_;
+  std::vector<double> values_;  // of all windows
   bool whole_ = false;
-  std::size_t evaluations_ = 0;
+  std::size_t evaluations_ = 0, surroundings_ = 0;
 };
 
 }  // namespace polhode

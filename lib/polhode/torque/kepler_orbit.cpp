@@ -82,6 +82,7 @@ KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
             static_cast<double>(c.sqrt_parameter),
             c.x.cast<double>(),
             c.y.cast<double>()};
+  period_rounding_s_ = static_cast<double>(c.period_s - plain_.period_s);
 }
 
 template <class Real>
@@ -95,7 +96,15 @@ OrbitState<Real> KeplerOrbit::state(Real t_s) const {
   }();
   const Real q = elements_.periapsis_m, e = elements_.eccentricity;
   Real dt = t_s - c.time_s;
-  if (c.alpha > 0) dt = std::remainder(dt, c.period_s);
+  if (c.alpha > 0) {
+    if constexpr (std::is_same_v<Real, double>) {
+      // The rounding of the period would add up to a phase that every turn makes larger.
+      const double turns = std::nearbyint(dt / c.period_s);
+      dt = std::fma(-turns, c.period_s, dt) - turns * period_rounding_s_;
+    } else {
+      dt = std::remainder(dt, c.period_s);
+    }
+  }
   const Real path = c.sqrt_mu * std::abs(dt);
 
   Real bound, chi;

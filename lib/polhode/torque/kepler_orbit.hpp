@@ -19,7 +19,8 @@ struct KeplerElements {
 /// and U_k(chi) the time equation sqrt(mu) (t - tp) = q U1 + U3 and the radius r = q + e U2 are sums of positive terms
 /// for every eccentricity, so that nothing is lost at or near e = 1. The equation is solved to the last digits of Real
 /// (double or long double); an ellipse is first reduced to half a turn from periapsis. Position error below 1e-14 r in
-/// double for up to a turn from periapsis (tested against a solution with 50 digits), growing with the number of turns.
+/// double for up to a turn from periapsis (tested against a solution with 50 digits); afterwards a rounding of the time
+/// may be more.
 class KeplerOrbit {
  public:
   /// Throws InputError for elements out of range.
@@ -45,6 +46,7 @@ class KeplerOrbit {
   KeplerElements elements_;
   Constants<long double> extended_;
   Constants<double> plain_;
+  double period_rounding_s_ = 0.0;  // what plain_ has too little
 };
 
 extern template OrbitState<double> KeplerOrbit::state(double) const;

@@ -44,6 +44,27 @@ double Torques::time_scale_s(double t_s) const {
   return scale_s;
 }
 
+std::vector<Torques::Pull> Torques::pulls() const {
+  std::vector<Pull> pulls;
+  for (std::size_t i = 0; i < torques_.size(); ++i) {
+    if (const auto* gravity = std::get_if<GravityGradient>(&torques_[i])) {
+      pulls.push_back({gravity->mu_m3_s2, orbit_of_torque_[i]});
+    }
+  }
+  return pulls;
+}
+
+Torques Torques::without_pulls() const {
+  Torques others;
+  others.trajectories_ = trajectories_;
+  for (std::size_t i = 0; i < torques_.size(); ++i) {
+    if (std::holds_alternative<GravityGradient>(torques_[i])) continue;
+    others.torques_.push_back(torques_[i]);
+    others.orbit_of_torque_.push_back(orbit_of_torque_[i]);
+  }
+  return others;
+}
+
 std::vector<double> Torques::jumps_s() const {
   std::vector<double> times_s;
   for (const Torque& torque : torques_) {

@@ -73,12 +73,23 @@ class Torques {
   /// between the two.
   Torques during(double inside_s) const;
 
+  /// The point masses of the gravity gradients, each with the place of its trajectory among trajectories(): what a
+  /// method that evaluates many instants at once needs to know of them.
+  struct Pull {
+    double mu_m3_s2;
+    std::size_t trajectory;
+  };
+  std::vector<Pull> pulls() const;
+  /// The other torques, with the same trajectories.
+  Torques without_pulls() const;
+
   bool empty() const { return torques_.empty(); }
+  const std::vector<Trajectory>& trajectories() const { return trajectories_; }  ///< different ones
   const std::vector<Torque>& list() const { return torques_; }
 
  private:
   std::vector<Torque> torques_;
-  std::vector<Trajectory> trajectories_;      // different ones
+  std::vector<Trajectory> trajectories_;
   std::vector<std::size_t> orbit_of_torque_;  // 0 for a torque without one
 };
 
