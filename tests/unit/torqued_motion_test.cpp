@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -345,6 +346,75 @@ TEST(Variation, RunsToTwoTolerancesDoNotShareTheirWindows) {
     const double apart = distance(coarse.at(span_s), fine.at(span_s));
     EXPECT_LT(distance(coarse.at(span_s), truth), 3.0 * apart + 1e-11) << part;  // and rounding
     EXPECT_LT(coarse.torque_evaluations(), (part > 1e-7 ? 45 : 25) * 100U + 100U) << part;
+  }
+}
+
+// Roundings of the energy, of the same sign in every epoch, would add up to 5e-10 and more.
+TEST(Variation, KeepsTheEnergyOfAFreeMotionOverHundredsOfEpochs) {
+  for (const double largest : {1048.54, 1100.0, 1400.0}) {
+    const Vector3 moments(102.71, 1048.54, largest), m = Vector3(0.383, 0.147, -0.912).normalized();
+    const FreeBody body{moments, Quaternion(0.3, 0.5, -0.2, 0.7).normalized(), m};
+    const double span_s = 700.0 * 2.0 * std::numbers::pi / m.cwiseQuotient(moments).norm();
+    const Torques nothing({ConstantTorque{{1e-25, 0.0, 0.0}}});
+    const Variation variation(body, 0.0, span_s, nothing, 1e-12, 10'000'000);
+    ASSERT_TRUE(variation.whole());
+    EXPECT_GT(variation.windows(), 300U);
+    EXPECT_LT(distance(variation.at(span_s), ThetaMotion(body).at(span_s)), 1.5e-10) << largest;
+  }
+}
+
+TEST(Variation, AsksForOrbitsSeldom) {
+  const FreeBody body = satellite({0.02, 0.01, 0.05});
+  const double span_s = 2e4;
+  const Variation circle(body, 0.0, span_s, gravity(), 1e-9, 1'000'000);
+  EXPECT_LT(circle.surroundings_found(), 150U);  // 170 turns of the body
+  EXPECT_GT(circle.torque_evaluations(), 5000U);
+  // A table that is linear between its rows has jumps that no polynomial holds: every point is asked for, and none is
+  // beyond its ends.
+  OrbitTable table;
+  table.degree = 1;
+  for (int i = 0; i <= 2000; ++i) {
+    const double t_s = 0.5 * i, angle = 1e-3 * t_s;
+    table.times_s.push_back(t_s);
+    table.positions_m.emplace_back(kRadius_m * std::cos(angle), kRadius_m * std::sin(angle), 0.0);
+  }
+  const Torques tabulated({GravityGradient(kEarth, Trajectory(TabulatedOrbit({table})))});
+  const Variation along(body, 0.0, 1000.0, tabulated, 1e-6, 1'000'000);
+  ASSERT_TRUE(along.whole());
+  EXPECT_GT(along.surroundings_found(), circle.surroundings_found());
+  const KeplerElements circle_of_table{
+      1e-6 * kRadius_m * kRadius_m * kRadius_m, kRadius_m, 0.0, 0.0, {1, 0, 0}, {0, 0, 1}};
+  EXPECT_LT(distance(along.at(1000.0), reference(body, Torques({GravityGradient(kEarth, circle_of_table)}), 1000.0)),
+            1e-5);
+}
+
+// Each instruction set that this machine has, on the same window.
+TEST(Variation, KernelsAgree) {
+  variation::Reference r{{1, 2, 3}, {1, 0.5, 1.0 / 3}, {0.6, 0, 0.8}, 2.0, 0.9, 0.3, 0.7, -0.2, 0.0};
+  for (const variation::Kernel* kernel : variation::kernels()) {
+    variation::Places places{}, expected{};
+    double y[variation::kCoefficients][variation::kSlots], rates[variation::kCoefficients][variation::kSlots];
+    double rates_expected[variation::kCoefficients][variation::kSlots];
+    for (int i = 0; i < variation::kSlots; ++i) {
+      const Quaternion q = Quaternion(std::cos(i), 0.3, std::sin(2.0 * i), 0.5).normalized();
+      const double parts[] = {q.w(), q.x(), q.y(), q.z()};
+      for (int k = 0; k < 4; ++k) places.q[k][i] = expected.q[k][i] = parts[k];
+      places.since_base_s[i] = expected.since_base_s[i] = 0.1 * i;
+      for (int k = 0; k < variation::kCoefficients; ++k) y[k][i] = 1e-2 * std::sin(i + 3.0 * k);
+    }
+    variation::Felt felt;
+    for (auto& component : felt.torque) std::fill(component, component + variation::kSlots, 1e-3);
+    const auto run = [&](const variation::Kernel& with, variation::Places& at, auto& out) {
+      with.find_places(r, 0, variation::kSlots, at);
+      with.find_rates(r, at, felt, y, variation::kSlots, out);
+    };
+    run(*kernel, places, rates);
+    run(*variation::kernels().front(), expected, rates_expected);
+    for (int k = 0; k < variation::kCoefficients; ++k) {
+      for (int i = 0; i < variation::kSlots; ++i) {
+        EXPECT_NEAR(rates[k][i], rates_expected[k][i], 1e-13 * (1.0 + std::abs(rates_expected[k][i]))) << kernel->name;
+      }
+    }
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <string_view>
 
 #include "polhode/motion/variation/orbits.hpp"
 
@@ -31,7 +32,7 @@ constexpr double kLargestDerivative = 12.0;     // of which rounding is a part
 constexpr double kNear = 1e-4, kTurnedAside_rad = 5e-3, kTooNear = 1e-7;
 constexpr double kShortestWindow_rad = 0.02;
 // Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
-constexpr double kLongestWindow_rad = 20.0, kFirstWindow_rad = 7.0;
+constexpr double kLongestWindow_rad = 20.0, kFirstWindow_rad = 5.0;
 // From one point to the next a body moves by no more than this part of its distance, times the same root: between two
 // points there is no encounter that neither knows of.
 constexpr double kLongestWay = 1.5;
@@ -513,13 +514,24 @@ extern const Kernel k_kernel_avx2;
 extern const Kernel k_kernel_avx512;
 #endif
 
-const Kernel& best_kernel() {
-  const std::string_view name = ThetaMotion::best_target().name;
+std::vector<const Kernel*> kernels() {
+  std::vector<const Kernel*> all{&k_kernel_baseline};
 #ifdef POLHODE_X86_TARGETS
-  for (const Kernel* kernel : {&k_kernel_avx512, &k_kernel_avx2}) {
-    if (name == kernel->name) return *kernel;
+  const theta::Target* targets[3];
+  const std::size_t count = theta::targets(targets);
+  for (std::size_t i = 0; i < count; ++i) {
+    for (const Kernel* kernel : {&k_kernel_avx2, &k_kernel_avx512}) {
+      if (std::string_view(targets[i]->name) == kernel->name) all.push_back(kernel);
+    }
   }
 #endif
+  return all;
+}
+
+const Kernel& best_kernel() {
+  for (const Kernel* kernel : kernels()) {
+    if (std::string_view(ThetaMotion::best_target().name) == kernel->name) return *kernel;
+  }
   return k_kernel_baseline;
 }
 

@@ -11,10 +11,15 @@
 
 namespace polhode {
 
+namespace variation {
+/// For the instruction sets that this machine has, the plainest first; to compare them.
+std::vector<const Kernel*> kernels();
+}  // namespace variation
+
 /// Variation of constants around the exact free motion, for torques that are small beside the inertia forces
 /// (variation.md).
 ///
-/// Over an epoch of a turn or two the motion is described by what it differs from one free motion: a rotation vector
+/// Over an epoch of a few turns the motion is described by what it differs from one free motion: a rotation vector
 /// and a momentum, both inertial. Without torque they obey linear equations but for terms of second order, whose six
 /// solutions are the derivatives of the exact motion by its constants. The coefficients of these six change by the
 /// torque and by the second order alone: slowly, so that over about a turn, a window, polynomials of degree 24 hold
@@ -29,12 +34,13 @@ class Variation {
             std::size_t max_torque_evaluations);
 
   /// Whether the end was reached: not if the torque is too large for this method to be worth while, the body is at
-  /// rest, or the limit of evaluations ended it.
+  /// rest or a sphere, or the limit of evaluations ended it.
   bool whole() const { return whole_; }
   double reached_s() const { return windows_.empty() ? start_s_ : windows_.back().first_s + windows_.back().length_s; }
   /// State at any time between the start and reached_s().
   FreeState at(double t_high_s, double t_low_s = 0.0) const;
 
+  /// Responses of the body, at so many points and sweeps together.
   std::size_t torque_evaluations() const { return evaluations_; }
   /// How often the places on the trajectories of the torques were asked for.
   std::size_t surroundings_found() const { return surroundings_; }
