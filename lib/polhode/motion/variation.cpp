@@ -51,7 +51,8 @@ double chebyshev_point(int i, int n) {
     for (int k = 0; k <= kFine; ++k) x[static_cast<std::size_t>(k)] = -std::cos(std::numbers::pi * k / kFine);
     return x;
   }();
-  return points[static_cast<std::size_t>(i * (kFine / n))];
+  const int fine = i * (kFine / n);
+  return points[static_cast<std::size_t>(fine)];
 }
 
 const Grid& coarse_grid() {

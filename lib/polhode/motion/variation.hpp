@@ -74,12 +74,11 @@ class Variation {
 
   /// Adds one; the coefficients of its base.
   Coefficients begin_epoch(double t_s, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
-  /// But for the shear, for some slots of places.since_base_s.
-  void find_places(const Epoch& epoch, int from, int to, variation::Places& places) const;
-  FreeState state(const Epoch& epoch, const variation::Places& places, const variation::InSlots* coefficients,
-                  int slot) const;
+  /// But for the shear, for some slots of p.since_base_s.
+  void find_places(const Epoch& epoch, int from, int to, variation::Places& p) const;
+  FreeState state(const Epoch& epoch, const variation::Places& p, const variation::InSlots* values, int in_slot) const;
   /// The attitude at the end of an epoch, less what the rounding of its free motion is in energy.
-  Quaternion end_of(const Epoch& epoch, const variation::Places& places, const variation::InSlots* coefficients) const;
+  Quaternion end_of(const Epoch& epoch, const variation::Places& p, const variation::InSlots* values) const;
 
   Torques torques_, others_;  // others: without the gravity gradients
   std::vector<Torques::Pull> pulls_;

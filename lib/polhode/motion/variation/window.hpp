@@ -36,7 +36,7 @@ inline constexpr int kCoefficients = 6;
 /// first point, in all slots; and four of its Chebyshev coefficients (Clenshaw & Curtis, Numer. Math. 2, 197, 1960).
 /// Row j is what the value in slot j contributes.
 struct Grid {
-  explicit Grid(int degree);  ///< kCoarse or kFine
+  explicit Grid(int n);  ///< of degree kCoarse or kFine
   int degree, rows, slots;
   double interpolation[kSlots][kSlots] = {}, integral[kSlots][kSlots] = {};
   double coefficients[4][kSlots] = {};  ///< of degree n/2, n/2 + 1, n - 1, n
