@@ -1,6 +1,7 @@
 #include "polhode/motion/variation.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -370,6 +371,10 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     const Epoch& epoch = epochs_.back();
     if (epoch.distance < kTooNear) return;
     const double rate_rad_s = epoch.omega.norm();
+    if (evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
+        static_cast<double>(evaluations_) > 1000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s)) {
+      return;
+    }
     const double remaining_s = std::abs(end_s - t);
     double length_s = wanted_rad / rate_rad_s;
     if (length_s > 0.999 * remaining_s) {
@@ -394,15 +399,9 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
 
     orbits.cover(t, to_s, kOrbitShare * allowed);
     sweeps.begin(epoch, t, half_s, y, shear);
-    const auto hopeless = [&] {
-      return evaluations_ > max_torque_evaluations || !(wanted_rad > kShortestWindow_rad) ||
-             static_cast<double>(evaluations_) >
-                 1000.0 + kMostEvaluationsPerRadian * rate_rad_s * std::abs(t - start_s);
-    };
     const double way = sweeps.longest_way() / (shorter * kLongestWay);
     if (way > 1.0) {
       wanted_rad = length_s * rate_rad_s * std::max(0.1, 0.9 / way);
-      if (hopeless()) return;
       continue;
     }
     double before = 0.0, moved = size(sweeps.sweep(coarse_grid()));
@@ -447,13 +446,11 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     }
     if (!good) {
       wanted_rad = length_s * rate_rad_s * std::clamp(0.9 * std::pow(truncation, -1.0 / kCoarse), 0.3, 0.9);
-      if (hopeless()) return;
       continue;
     }
     const bool converged = left() <= kLeft * allowed;
     const double factor = converged ? 0.9 * std::pow(std::max(truncation, 1e-300), -1.0 / sweeps.grid().degree) : 0.5;
     wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, 1.6), shorter * kLongestWindow_rad);
-    if (hopeless()) return;
     if (!converged) continue;
     windows_.push_back({t, to_s - t, epochs_.size() - 1, values_.size(), sweeps.grid().degree});
     for (int k = 0; k <= kCoefficients; ++k) {
@@ -487,9 +484,8 @@ FreeState Variation::at(double t_high_s, double t_low_s) const {
   const double* const values = &values_[window.values];
   double sums[kCoefficients + 1] = {}, weights = 0.0;
   for (int i = 0; i <= n; ++i) {
-    const double away = x - chebyshev_point(i, n), *const here =
-                                                       values + (n == kFine && i % 2 == 1 ? kCoarse + 1 + i / 2
-                                                                                          : i * kCoarse / n);
+    const double away = x - chebyshev_point(i, n);
+    const double* const here = values + (n == kFine && i % 2 == 1 ? kCoarse + 1 + i / 2 : i * kCoarse / n);
     const double weight = away == 0.0 ? 1.0 : (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == n ? 0.5 : 1.0) / away;
     if (away == 0.0) std::fill(sums, sums + kCoefficients + 1, weights = 0.0);
     for (int k = 0; k <= kCoefficients; ++k) sums[k] += weight * here[k * (n + 1)];

@@ -8,7 +8,6 @@ inline namespace POLHODE_TARGET {
 namespace {
 
 using theta::all;
-using theta::choose;
 using theta::kLanes;
 using theta::Lanes;
 using theta::load;

@@ -135,7 +135,9 @@ void Orbits::find(std::size_t trajectory, double base_s, const InSlots& since_ba
   }
   for (int i = from; i < to; ++i) {
     if (is_filled_up(i)) continue;
-    const OrbitState<double> state = trajectories_[trajectory].state(base_s + since_base_s[i]);
+    double t_s = base_s + since_base_s[i];
+    if ((t_s - end_s_) * (end_s_ - from_s_) > 0.0) t_s = end_s_;  // by a rounding
+    const OrbitState<double> state = trajectories_[trajectory].state(t_s);
     for (int k = 0; k < 3; ++k) states[k][i] = state.position_m[k], states[3 + k][i] = state.velocity_m_s[k];
     asked_ += trajectory == 0 ? 1 : 0;
   }
