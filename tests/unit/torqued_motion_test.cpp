@@ -388,33 +388,105 @@ TEST(Variation, AsksForOrbitsSeldom) {
             1e-5);
 }
 
-// Each instruction set that this machine has, on the same window.
-TEST(Variation, KernelsAgree) {
-  variation::Reference r{{1, 2, 3}, {1, 0.5, 1.0 / 3}, {0.6, 0, 0.8}, 2.0, 0.9, 0.3, 0.7, -0.2, 0.0};
-  for (const variation::Kernel* kernel : variation::kernels()) {
-    variation::Places places{}, expected{};
-    double y[variation::kCoefficients][variation::kSlots], rates[variation::kCoefficients][variation::kSlots];
-    double rates_expected[variation::kCoefficients][variation::kSlots];
-    for (int i = 0; i < variation::kSlots; ++i) {
+/// A window of a free motion that deviates, with the pulls of two bodies.
+struct WindowOfKernel {
+  explicit WindowOfKernel(const variation::Kernel& with) : kernel(with) {
+    for (int i = 0; i < variation::kPoints; ++i) {
       const Quaternion q = Quaternion(std::cos(i), 0.3, std::sin(2.0 * i), 0.5).normalized();
       const double parts[] = {q.w(), q.x(), q.y(), q.z()};
-      for (int k = 0; k < 4; ++k) places.q[k][i] = expected.q[k][i] = parts[k];
-      places.since_base_s[i] = expected.since_base_s[i] = 0.1 * i;
+      for (int k = 0; k < 4; ++k) places.q[k][i] = parts[k];
+      places.since_base_s[i] = 0.1 * i;
       for (int k = 0; k < variation::kCoefficients; ++k) y[k][i] = 1e-2 * std::sin(i + 3.0 * k);
+      for (int k = 0; k < 6; ++k) pulls[k][i] = 0.1 * std::cos(0.2 * i + k);
     }
-    variation::Felt felt;
-    for (auto& component : felt.torque) std::fill(component, component + variation::kSlots, 1e-3);
-    const auto run = [&](const variation::Kernel& with, variation::Places& at, auto& out) {
-      with.find_places(r, 0, variation::kSlots, at);
-      with.find_rates(r, at, felt, y, variation::kSlots, out);
-    };
-    run(*kernel, places, rates);
-    run(*variation::kernels().front(), expected, rates_expected);
+    kernel.find_places(reference, variation::kPoints, places);
+  }
+  void feel() { kernel.feel_gravity_gradients(reference, places, pulls, 2, y, variation::kPoints, felt); }
+
+  using Values = variation::AtPoints[variation::kCoefficients];
+  const variation::Kernel& kernel;
+  variation::Reference reference{{1, 2, 3}, {1, 0.5, 1.0 / 3}, {0.6, 0, 0.8}, 2.0, 0.9, 0.3, 0.7, -0.2, 0.0};
+  variation::Places places{};
+  variation::AtPoints pulls[6];
+  variation::Felt felt;
+  Values y, rates;
+};
+
+// Each instruction set that this machine has.
+TEST(Variation, KernelsAgree) {
+  const auto run = [](WindowOfKernel& window) {
+    window.feel();
+    window.y[1][3] += 1e-3;
+    window.kernel.find_gradients(window.reference, window.places, window.pulls, 2, window.y, window.felt);
+    window.kernel.find_rates(window.reference, window.places, window.felt, window.y, window.rates);
+  };
+  WindowOfKernel expected(*variation::kernels().front());
+  run(expected);
+  for (const variation::Kernel* kernel : variation::kernels()) {
+    WindowOfKernel window(*kernel);
+    run(window);
     for (int k = 0; k < variation::kCoefficients; ++k) {
-      for (int i = 0; i < variation::kSlots; ++i) {
-        EXPECT_NEAR(rates[k][i], rates_expected[k][i], 1e-13 * (1.0 + std::abs(rates_expected[k][i]))) << kernel->name;
+      for (int i = 0; i < variation::kPoints; ++i) {
+        EXPECT_NEAR(window.rates[k][i], expected.rates[k][i], 1e-13 * (1.0 + std::abs(expected.rates[k][i])))
+            << kernel->name;
       }
     }
+  }
+}
+
+// With its derivative half way the torque elsewhere is off by the third order of the way there.
+TEST(Variation, GradientIsThatOfTheTorque) {
+  double error[2];
+  for (const int finer : {0, 1}) {
+    WindowOfKernel window(variation::best_kernel()), there(variation::best_kernel());
+    for (int k = 0; k < variation::kCoefficients; ++k) {
+      for (int i = 0; i < variation::kPoints; ++i) {
+        window.y[k][i] = there.y[k][i] + (finer == 1 ? 1e-3 : 2e-3) * std::cos(2.0 * i + k);
+      }
+    }
+    there.feel();
+    window.feel();
+    const variation::Felt at_first = there.felt;
+    there.kernel.find_gradients(there.reference, there.places, there.pulls, 2, window.y, there.felt);
+    error[finer] = 0.0;
+    for (int i = 0; i < variation::kPoints; ++i) {
+      for (int k = 0; k < 3; ++k) {
+        double torque = at_first.torque[k][i];
+        for (int l = 0; l < 3; ++l) {
+          torque += there.felt.gradient[3 * l + k][i] * (window.felt.angle[l][i] - at_first.angle[l][i]);
+        }
+        error[finer] = std::max(error[finer], std::abs(torque - window.felt.torque[k][i]));
+      }
+    }
+  }
+  EXPECT_LT(error[1], 1e-8);
+  EXPECT_GT(error[0] / error[1], 6.0);
+}
+
+// A polynomial of the degree that the points allow, and twice that at the end.
+TEST(Variation, GridIntegratesExactly) {
+  const variation::Grid grid;
+  const auto worst_for = [&grid](int degree, bool at_end) {
+    double worst = 0.0;
+    for (int i = 0; i < variation::kPoints; ++i) {
+      if (at_end && i != variation::kLast) continue;
+      double sum = 0.0;
+      for (int j = 0; j < variation::kPoints; ++j) sum += grid.integral[j][i] * std::pow(grid.point[j], degree);
+      const double exact = (std::pow(grid.point[i], degree + 1) - (degree % 2 == 0 ? -1.0 : 1.0)) / (degree + 1);
+      worst = std::max(worst, std::abs(sum - exact));
+    }
+    return worst;
+  };
+  EXPECT_LT(worst_for(variation::kDegree, false), 1e-14);
+  EXPECT_LT(worst_for(2 * variation::kDegree - 2, true), 1e-14);
+  EXPECT_GT(worst_for(variation::kDegree + 1, false), 1e-12);
+  EXPECT_GT(worst_for(2 * variation::kDegree, true), 1e-14);
+  for (int i = 0; i < variation::kPoints; ++i) {
+    double sum = 0.0;
+    for (int j = 0; j < variation::kGuess; ++j) {
+      sum += grid.interpolation[j][i] * std::pow(grid.point[j], variation::kGuess - 1);
+    }
+    EXPECT_NEAR(sum, std::pow(grid.point[i], variation::kGuess - 1), 1e-13);
   }
 }
 

@@ -21,7 +21,7 @@ constexpr int kMostRefinements = 8;
 constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
-constexpr double kPhaseOfTolerance_rad = 20.0;
+constexpr double kLooserVariation = 0.5;
 constexpr double kFinerVariation = 1.0 / 16.0;
 constexpr double kSafetyOfVariation = 2.5;
 // By which every other run of variation starts aside: what grows from the rounding of the start shows in their
@@ -337,7 +337,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     double gain = 1.0, looser = 1.0, safety = kSafety;
     if (way_.variation) {
       safety = kSafetyOfVariation;
-      looser = 1.0 / (1.0 + phase_rad / kPhaseOfTolerance_rad);
+      looser = kLooserVariation;
     } else if (way_.scheme == nullptr) {
       gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
       looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;

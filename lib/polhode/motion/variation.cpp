@@ -11,16 +11,14 @@
 
 namespace polhode {
 
-using variation::fill_up;
+using variation::AtPoints;
 using variation::Grid;
-using variation::InSlots;
-using variation::kCoarse;
-using variation::kCoarseSlots;
 using variation::kCoefficients;
-using variation::kFine;
+using variation::kDegree;
+using variation::kGuess;
 using variation::kLast;
-using variation::kSlots;
-using variation::slot;
+using variation::kPoints;
+using variation::kRegister;
 
 namespace {
 
@@ -33,35 +31,24 @@ constexpr double kLargestDerivative = 12.0;     // of which rounding is a part
 constexpr double kNear = 1e-4, kTurnedAside_rad = 5e-3, kTooNear = 1e-7;
 constexpr double kShortestWindow_rad = 0.02;
 // Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
-constexpr double kLongestWindow_rad = 20.0, kFirstWindow_rad = 5.0;
+constexpr double kLongestWindow_rad = 20.0, kFirstWindow_rad = 12.0;
 // From one point to the next a body moves by no more than this part of its distance, times the same root: between two
-// points there is no encounter that neither knows of.
-constexpr double kLongestWay = 1.5;
-constexpr int kMostSweeps = 9;
-constexpr double kDecayed = 0.03;    // coefficients that tell of those that follow
+// points there is no encounter that neither knows of. In a window, by so many times its distance at the beginning.
+constexpr double kLongestWay = 3.0, kTimeScales = 5.0;
+constexpr int kMostRounds = 14, kMostFeels = 6;
 constexpr double kOrbitShare = 0.1;  // of a window's tolerance, by polynomials of orbits, relative
+constexpr double kPullShare = 3.0;   // the body's own motion misses as much again, and more
 constexpr double kUnknown = 1e300;
-constexpr double kStiffer = 10.0;                   // the next window than any before
-constexpr double kLeft = 0.3;                       // of a window's share of the tolerance, by the iteration
-constexpr double kMostEvaluationsPerRadian = 70.0;  // beyond which extrapolation is cheaper
+constexpr double kStiffer = 10.0;     // the next window than the last
+constexpr double kAtEnd = 0.3;        // how small errors at the ends of windows are kept, so that those between count
+constexpr double kLeft = 0.1;         // of what iteration may leave, by rounds that ask for no torque
+constexpr double kInner = 0.1;        // likewise, of what feeling the torque again will move
+constexpr double kUsualAway = 0.075;  // how far a window's torque turns the body, of what it could
+constexpr double kRounding = 1e-16;   // of a momentum: iteration gets no nearer
+constexpr double kMostEvaluationsPerRadian = 100.0;  // beyond which extrapolation is cheaper
 
-/// Point i of the Chebyshev grid of degree n on (-1, 1), ascending; n divides kFine.
-double chebyshev_point(int i, int n) {
-  static const auto points = [] {
-    std::array<double, kFine + 1> x;
-    for (int k = 0; k <= kFine; ++k) x[static_cast<std::size_t>(k)] = -std::cos(std::numbers::pi * k / kFine);
-    return x;
-  }();
-  const int fine = i * (kFine / n);
-  return points[static_cast<std::size_t>(fine)];
-}
-
-const Grid& coarse_grid() {
-  static const Grid grid(kCoarse);
-  return grid;
-}
-const Grid& fine_grid() {
-  static const Grid grid(kFine);
+const Grid& the_grid() {
+  static const Grid grid;
   return grid;
 }
 
@@ -144,25 +131,24 @@ Variation::Coefficients Variation::begin_epoch(double t_s, const Quaternion& q, 
   return y;
 }
 
-void Variation::find_places(const Epoch& epoch, int from, int to, variation::Places& p) const {
+void Variation::find_places(const Epoch& epoch, int points, variation::Places& p) const {
   StateArrays out;
-  for (int k = 0; k < 4; ++k) out.q[k] = p.q[k] + from;
+  for (int k = 0; k < 4; ++k) out.q[k] = p.q[k];
   out.q_stride = 1;
-  epoch.free.batch({{p.since_base_s + from, static_cast<std::size_t>(to - from)}}, out);
-  kernel_.find_places(epoch.reference, from, to, p);
+  epoch.free.batch({{p.since_base_s, static_cast<std::size_t>(points)}}, out);
+  kernel_.find_places(epoch.reference, points, p);
 }
 
-FreeState Variation::state(const Epoch& epoch, const variation::Places& p, const double (*values)[kSlots],
-                           int in_slot) const {
+FreeState Variation::state(const Epoch& epoch, const variation::Places& p, const AtPoints* values, int point) const {
   double theta[3];
-  kernel_.angle(epoch.reference, p, values, in_slot, theta);
-  const Quaternion free(p.q[0][in_slot], p.q[1][in_slot], p.q[2][in_slot], p.q[3][in_slot]);
+  kernel_.angle(epoch.reference, p, values, point, theta);
+  const Quaternion free(p.q[0][point], p.q[1][point], p.q[2][point], p.q[3][point]);
   const Quaternion q = (deviation(theta) * free).normalized();
-  const Vector3 moved(values[0][in_slot], values[1][in_slot], values[2][in_slot]);
+  const Vector3 moved(values[0][point], values[1][point], values[2][point]);
   return {q, q.conjugate() * Vector3(epoch.momentum + moved)};
 }
 
-Quaternion Variation::end_of(const Epoch& epoch, const variation::Places& p, const InSlots* values) const {
+Quaternion Variation::end_of(const Epoch& epoch, const variation::Places& p, const AtPoints* values) const {
   // The attitudes of a free motion are off by roundings that depend on its phase; those that are of the energy, a few
   // epochs of the same kind would add up, and energy is time.
   const Quaternion free = Quaternion(p.q[0][kLast], p.q[1][kLast], p.q[2][kLast], p.q[3][kLast]).normalized();
@@ -176,103 +162,124 @@ Quaternion Variation::end_of(const Epoch& epoch, const variation::Places& p, con
 }
 
 /// Picard's iteration over one window.
-class Variation::Sweeps {
+class Variation::Iteration {
  public:
-  Sweeps(Variation& of, variation::Orbits& orbits)
+  /// What a window is to keep to, in radians; a momentum counts by its part of the free motion's times a weight.
+  struct Demand {
+    double length_s, length_rad;
+    double within, within_weight;     ///< between the points; the weight: what it turns the body by in the epoch
+    double at_end, left, end_weight;  ///< of truncation, and by iterating no longer; by the end of the span
+  };
+
+  Iteration(Variation& of, variation::Orbits& orbits)
       : of_(of), kernel_(of.kernel_), orbits_of_(orbits), trajectories_(of.torques_.trajectories().size()) {}
 
-  /// A window from t, of the epoch, with the coefficients and the shear there: the coarse grid alone.
-  void begin(const Epoch& epoch, double t_s, double half_s, const Coefficients& y, double shear) {
+  /// A window from t, of the epoch: places on the orbits.
+  void begin(const Epoch& epoch, double t_s, double half_s) {
     epoch_ = &epoch;
     half_s_ = half_s;
-    shear_ = shear;
-    grid_ = &coarse_grid();
-    if (relaxes_) felt_ = {};
-    first_is_known_ = false;
-    for (int i = 0; i <= kFine; ++i) {
-      places_.since_base_s[slot(i)] = (t_s - epoch.base_s) + half_s * (1.0 + chebyshev_point(i, kFine));
+    for (int i = 0; i < kPoints; ++i) {
+      places_.since_base_s[i] = (t_s - epoch.base_s) + half_s * (1.0 + the_grid().point[i]);
     }
-    fill_up(places_.since_base_s);
-    for (int k = 0; k < kCoefficients; ++k) {
-      std::fill(start_[k], start_[k] + kSlots, y[k]);
-      std::fill(values_[k], values_[k] + kSlots, y[k]);
+    for (std::size_t l = 0; l < trajectories_; ++l) {
+      orbits_of_.find(l, epoch.base_s, places_.since_base_s, orbits_[l]);
     }
-    find_places(0, kCoarseSlots);
-    find_orbits(0, kCoarseSlots);
+    for (std::size_t i = 0; i < of_.pulls_.size(); ++i) {
+      const Torques::Pull& pull = of_.pulls_[i];
+      kernel_.find_pull(orbits_[pull.trajectory], std::sqrt(3.0 * pull.mu_m3_s2), pulls_ + 3 * i);
+    }
   }
 
-  /// From now on all points.
-  void refine() {
-    grid_ = &fine_grid();
-    find_places(kCoarseSlots, kSlots);
-    find_orbits(kCoarseSlots, kSlots);
-    for (InSlots& values : values_) std::fill(values + kCoarseSlots, values + kSlots, 0.0);
-    kernel_.add_products(values_, kCoefficients, coarse_grid().rows, coarse_grid().interpolation, kCoarseSlots, kSlots,
-                         1.0, values_);
-  }
-
-  /// Takes the torque at the points of `grid` anew, then all rates; how far the coefficients moved.
-  Coefficients sweep(const Grid& grid) {
-    of_.evaluations_ += static_cast<std::size_t>(grid.degree + (first_is_known_ ? 0 : 1));
-    first_is_known_ = true;  // the values there stay
-    const bool all = grid.degree == grid_->degree;
-    variation::Felt& felt = all ? felt_ : felt_anew_;
-    std::memset(felt.torque, 0, sizeof felt.torque);
-    if (!of_.pulls_.empty()) {
-      kernel_.add_gravity_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, grid.slots,
-                                    felt.torque);
-    }
-    if (!of_.others_.empty()) feel_others(grid, felt);
-    if (!all) {
-      const auto correct = [&](InSlots* now, InSlots* known) {
-        for (int k = 0; k < 3; ++k) {
-          for (int i = 0; i < kCoarseSlots; ++i) {
-            now[k][i] -= known[k][i];
-            known[k][i] += now[k][i];
-          }
-        }
-        kernel_.add_products(now, 3, grid.rows, grid.interpolation, kCoarseSlots, kSlots, 1.0, known);
-      };
-      correct(felt.torque, felt_.torque);
-      if (relaxes_) correct(felt.relaxation, felt_.relaxation);
-    }
-    kernel_.find_rates(epoch_->reference, places_, felt_, values_, grid_->slots, rates_);
-    Coefficients changes;
-    kernel_.integrate(*grid_, rates_, half_s_, start_, values_, changes.data());
-    return changes;
-  }
-
-  /// The largest part of its distance that a body moves from one coarse point to the next.
+  /// The largest part of its distance that a body moves from one point of the guess to the next.
   double longest_way() const {
     double square = 0.0;
     for (std::size_t l = 0; l < trajectories_; ++l) {
-      const InSlots* v = orbits_[l];
       double before = 0.0;
-      for (int i = 0; i <= kLast; ++i) {
-        const double r2 = v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i];
-        const double v2 = v[3][i] * v[3][i] + v[4][i] * v[4][i] + v[5][i] * v[5][i];
-        const double here = v2 / r2, step_s = i == 0 ? 0.0 : places_.since_base_s[i] - places_.since_base_s[i - 1];
+      for (int i = 0; i < kGuess; ++i) {
+        const double here = 1.0 / square_of_time_scale_s2(l, i);
+        const double step_s = i == 0 ? 0.0 : places_.since_base_s[i] - places_.since_base_s[i - 1];
         square = std::max(square, std::max(here, before) * (step_s * step_s));
         before = here;
       }
     }
     return std::sqrt(square);
   }
-
-  variation::Spectrum spectrum() const {
+  /// The shortest time in which a body, at the end of the window, goes as far as it is away.
+  double time_scale_s() const {
+    double square = kUnknown;
+    for (std::size_t l = 0; l < trajectories_; ++l) square = std::min(square, square_of_time_scale_s2(l, kLast));
+    return std::sqrt(square);
+  }
+  /// What the points miss of the gravity gradients because the pulls change: a guess at the last Legendre coefficient
+  /// of the torque. The body's own motion has its part besides.
+  double pull_tail() const {
+    double tail = 0.0;
     variation::Spectrum spectrum;
-    kernel_.find_spectrum(*grid_, rates_, spectrum);
-    return spectrum;
-  }
-  /// Of the shear's rate: the larger of the last two Chebyshev coefficients, times what it is multiplied by.
-  double shear_tail() const {
-    double last[2] = {}, a2 = 0.0;
-    for (int j = 0; j < grid_->slots; ++j) {
-      for (int l = 0; l < 2; ++l) last[l] += grid_->coefficients[2 + l][j] * places_.shear_rate[j];
-      a2 = std::max(a2, std::abs(values_[5][j]));
+    for (std::size_t k = 0; k < of_.pulls_.size(); ++k) {
+      kernel_.find_spectrum(the_grid(), pulls_ + 3 * k, 3, spectrum);
+      double last = 0.0, largest = 0.0;
+      for (int c = 0; c < 3; ++c) {
+        last = std::max({last, std::abs(spectrum.coefficients[2][c]), std::abs(spectrum.coefficients[3][c])});
+        largest = std::max(largest, spectrum.largest[c]);
+      }
+      tail += last * largest;
     }
-    return std::max(std::abs(last[0]), std::abs(last[1])) * a2 * epoch_->reference.across_rad_s;
+    return tail * (of_.moments_.maxCoeff() - of_.moments_.minCoeff());
   }
+
+  /// From these coefficients and the shear at the first point; whether those at the others were found, and the points
+  /// are dense enough.
+  bool solve(const Coefficients& y, double shear, const Demand& demand) {
+    start(y, shear);
+    const bool knows_gradient = of_.others_.empty();
+    // By the largest that a gravity gradient's derivative can be: the part of the momentum that it changes in the
+    // window, per angle of the deviation, and what that counts.
+    const double steepness = steepest() * demand.length_s / epoch_->reference.magnitude;
+    const double slope = steepness * (demand.end_weight + demand.length_rad);
+    const auto third_order = [slope](double away_rad) { return slope * away_rad * away_rad * away_rad; };
+    const auto round = [&] {
+      const Coefficients changes = find_rates_and_integrate();
+      moved_ = size(changes, demand.end_weight);
+      since_felt_ += moved_;
+      turned_rad_ += size(changes, demand.within_weight);
+      ++rounds_;
+    };
+    if (knows_gradient ? third_order(kUsualAway * steepness * demand.length_rad) > demand.left : felt_twice_) {
+      guess();
+      round();
+    }
+    double gain = 1.0, felt_gain = std::min(1.0, kStiffer * felt_gain_), felt_before = 0.0;
+    for (int feels = 1; feels <= kMostFeels && !converged_; ++feels) {
+      feel(kPoints);
+      since_felt_ = turned_rad_ = 0.0;
+      round();
+      measure(demand);
+      if (truncation_ > 1.0) return false;
+      felt_twice_ = feels > 1;
+      if (felt_twice_) felt_gain = felt_gain_ = std::min(1.0, moved_ / felt_before);
+      felt_before = moved_;
+      if (!felt_twice_) gain = std::min(1.0, kStiffer * stiffness_ * moved_);
+      const double target =
+          knows_gradient ? kLeft * demand.left : std::max(kLeft * demand.left, kInner * felt_gain * moved_);
+      for (int inner = 0; gain * moved_ > target; ++inner) {
+        if (rounds_ >= kMostRounds || (inner > 1 && gain > 0.5)) return false;
+        if (knows_gradient && !has_gradient_ && slope * turned_rad_ > target) differentiate();
+        const double before = moved_;
+        round();
+        gain = moved_ / before;
+        if (inner == 0 && !felt_twice_) stiffness_ = gain / before;
+      }
+      converged_ = (!knows_gradient ? felt_gain * since_felt_
+                    : has_gradient_ ? third_order(away_rad_)
+                                    : slope * away_rad_) <= demand.left;
+    }
+    measure(demand);
+    return converged_ && truncation_ <= 1.0;
+  }
+  bool converged() const { return converged_; }
+  /// By the points being too few: of what is allowed.
+  double truncation() const { return truncation_; }
+
   /// At the end of the window: the angle of the deviation, and the larger of the derivatives.
   double deviation_rad() const {
     Vector3 theta;
@@ -285,37 +292,51 @@ class Variation::Sweeps {
     return std::max(first, std::hypot(1.0 / first, (places_.shear_swing[kLast] + places_.shear[kLast]) * across));
   }
 
-  const Grid& grid() const { return *grid_; }
-  bool on_all_points() const { return grid_->degree == kFine; }
   const variation::Places& places() const { return places_; }
-  const InSlots* values() const { return values_; }
+  const AtPoints* values() const { return values_; }
 
  private:
-  void find_places(int from, int to) {
-    of_.find_places(*epoch_, from, to, places_);
-    std::fill(places_.shear, places_.shear + kSlots, shear_);
-    kernel_.add_products(&places_.shear_rate, 1, grid_->rows, grid_->integral, 0, grid_->slots, half_s_,
-                         &places_.shear);
+  double square_of_time_scale_s2(std::size_t trajectory, int i) const {
+    const AtPoints* v = orbits_[trajectory];
+    return (v[0][i] * v[0][i] + v[1][i] * v[1][i] + v[2][i] * v[2][i]) /
+           (v[3][i] * v[3][i] + v[4][i] * v[4][i] + v[5][i] * v[5][i]);
   }
 
-  void find_orbits(int from, int to) {
-    for (std::size_t l = 0; l < trajectories_; ++l) {
-      orbits_of_.find(l, epoch_->base_s, places_.since_base_s, from, to, orbits_[l]);
+  template <class Six>
+  double size(const Six& c, double weight) const {
+    const double momentum = std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2])});
+    return std::max({std::abs(c[3]), std::abs(c[4]), std::abs(c[5])}) + momentum / epoch_->reference.magnitude * weight;
+  }
+
+  void start(const Coefficients& y, double shear) {
+    if (has_gradient_) std::memset(felt_.gradient, 0, sizeof felt_.gradient);
+    has_gradient_ = is_felt_ = converged_ = false;
+    rounds_ = 0;
+    start_ = y;
+    for (int k = 0; k < kCoefficients; ++k) std::fill(values_[k], values_[k] + kPoints, y[k]);
+    of_.find_places(*epoch_, kPoints, places_);
+    std::fill(places_.shear, places_.shear + kPoints, shear);
+    kernel_.add_products(the_grid().integral, kPoints, &places_.shear_rate, 1, half_s_, &places_.shear);
+  }
+
+  /// The torque at so many points.
+  void feel(int points) {
+    of_.evaluations_ += static_cast<std::size_t>(points - (is_felt_ ? 1 : 0));  // the values at the first stay
+    is_felt_ = true;
+    if (of_.pulls_.empty()) {
+      std::memset(felt_.torque, 0, sizeof felt_.torque);
+    } else {
+      kernel_.feel_gravity_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, points, felt_);
     }
-    for (std::size_t i = 0; i < of_.pulls_.size(); ++i) {
-      const Torques::Pull& pull = of_.pulls_[i];
-      kernel_.find_pull(orbits_[pull.trajectory], std::sqrt(3.0 * pull.mu_m3_s2), from, to, pulls_ + 3 * i);
-    }
+    if (!of_.others_.empty()) feel_others(points);
   }
 
   /// The torques other than gravity gradients, one point after the other.
-  void feel_others(const Grid& grid, variation::Felt& felt) {
-    relaxes_ = false;
+  void feel_others(int points) {
     Torques::Surroundings<double> around;
-    for (int j = 0; j <= grid.degree; ++j) {
-      const int i = slot(j * (kFine / grid.degree));
+    for (int i = 0; i < points; ++i) {
       for (std::size_t l = 0; l < trajectories_; ++l) {
-        const InSlots* v = orbits_[l];
+        const AtPoints* v = orbits_[l];
         around[l] = {{v[0][i], v[1][i], v[2][i]}, {v[3][i], v[4][i], v[5][i]}};
       }
       const FreeState state = of_.state(*epoch_, places_, values_, i);
@@ -323,12 +344,65 @@ class Variation::Sweeps {
       const Vector3 omega = state.momentum_body.cwiseQuotient(of_.moments_);
       const TorqueTerms<double> terms = of_.others_.at(around, rotation, of_.moments_);
       const Vector3 torque = rotation * terms.torque(omega);
-      for (int k = 0; k < 3; ++k) felt.torque[k][i] += torque[k];
-      if (terms.relaxation == 0.0) continue;
-      relaxes_ = true;
       const Vector3 relaxation = rotation * (terms.relaxation * state.momentum_body.cross(omega));
-      for (int k = 0; k < 3; ++k) felt.relaxation[k][i] = relaxation[k];
+      for (int k = 0; k < 3; ++k) felt_.torque[k][i] += torque[k], felt_.relaxation[k][i] = relaxation[k];
     }
+  }
+
+  /// The torque at a few points, and at the others as the polynomial through those has it.
+  void guess() {
+    feel(kGuess);
+    for (AtPoints* of : {felt_.torque, felt_.relaxation}) {
+      AtPoints at_few[3];
+      std::memcpy(at_few, of, sizeof at_few);
+      std::memset(of, 0, sizeof at_few);
+      kernel_.add_products(the_grid().interpolation, kGuess, at_few, 3, 1.0, of);
+    }
+  }
+
+  /// From now on a round knows how the torque goes with the deviation.
+  void differentiate() {
+    of_.gradients_ += kPoints;
+    has_gradient_ = true;
+    kernel_.find_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, felt_);
+  }
+
+  /// A bound of how the gravity gradients' torque goes with the deviation.
+  double steepest() const {
+    double largest = 0.0;
+    for (int i = 0; i < kPoints; ++i) {
+      double sum = 0.0;
+      for (std::size_t k = 0; k < 3 * of_.pulls_.size(); ++k) sum += pulls_[k][i] * pulls_[k][i];
+      largest = std::max(largest, sum);
+    }
+    return largest * (of_.moments_.maxCoeff() - of_.moments_.minCoeff());
+  }
+
+  /// By how much the coefficients change.
+  Coefficients find_rates_and_integrate() {
+    away_rad_ = kernel_.find_rates(epoch_->reference, places_, felt_, values_, rates_);
+    Coefficients changes;
+    kernel_.integrate(the_grid(), rates_, half_s_, start_.data(), values_, changes.data());
+    return changes;
+  }
+
+  /// The truncation, from the last Legendre coefficients of the rates and of the shear's. Between the points what is
+  /// beyond them integrates to less by twice their degree; at the end the first that is missed is of twice that, of
+  /// about the size that the fall from half the degree on leads to.
+  void measure(const Demand& demand) {
+    variation::Spectrum spectrum, of_shear;
+    kernel_.find_spectrum(the_grid(), rates_, kCoefficients, spectrum);
+    kernel_.find_spectrum(the_grid(), &places_.shear_rate, 1, of_shear);
+    double a2 = 0.0;
+    for (const double a : values_[5]) a2 = std::max(a2, std::abs(a));
+    const double shear = std::max(std::abs(of_shear.coefficients[2][0]), std::abs(of_shear.coefficients[3][0])) * a2 *
+                         epoch_->reference.across_rad_s;
+    const auto& c = spectrum.coefficients;
+    const auto larger = [&](int i, double weight) { return std::max(size(c[i], weight), size(c[i + 1], weight)); };
+    const double last = std::max(larger(2, demand.end_weight), shear);
+    const double fall = std::min(1.0, last / std::max(larger(0, demand.end_weight), 1e-300));
+    const double within = std::max(larger(2, demand.within_weight), shear) / (2 * kDegree);
+    truncation_ = std::abs(half_s_) * std::max(last * fall * fall / demand.at_end, within / demand.within);
   }
 
   Variation& of_;
@@ -336,14 +410,20 @@ class Variation::Sweeps {
   variation::Orbits& orbits_of_;
   std::size_t trajectories_;
   const Epoch* epoch_ = nullptr;
-  double half_s_ = 0.0, shear_ = 0.0;
-  const Grid* grid_ = nullptr;
-  bool relaxes_ = false, first_is_known_ = false;
+  double half_s_ = 0.0;
   variation::Places places_;
-  InSlots orbits_[Torques::kMostTrajectories][6];  // positions and velocities, inertial
-  InSlots pulls_[3 * Torques::kMostTrajectories];
-  variation::Felt felt_, felt_anew_;
-  InSlots start_[kCoefficients], values_[kCoefficients], rates_[kCoefficients];
+  AtPoints orbits_[Torques::kMostTrajectories][6];  // positions and velocities, inertial
+  AtPoints pulls_[3 * Torques::kMostTrajectories];
+  variation::Felt felt_;
+  Coefficients start_;
+  AtPoints values_[kCoefficients], rates_[kCoefficients];
+  bool has_gradient_ = false, is_felt_ = false, converged_ = false;
+  int rounds_ = 0;
+  double moved_ = 0.0, since_felt_ = 0.0, turned_rad_ = 0.0, away_rad_ = 0.0, truncation_ = 0.0;
+  // Of windows before: how much less the second round moves than the first, per what that moved; how much less the
+  // torque felt anew moves than when it was felt before; and whether it had to be.
+  double stiffness_ = kUnknown, felt_gain_ = 1.0;
+  bool felt_twice_ = true;
 };
 
 Variation::Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
@@ -360,12 +440,15 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
   const double span_s = std::abs(end_s - start_s);
   Coefficients y =
       begin_epoch(start_s, start_.q_inertial_from_body, start_.q_inertial_from_body * start_.momentum_body);
-  double t = start_s, shear = epochs_.back().reference.shear_at_base;
-  double stiffness = kUnknown;
+  // A momentum off by a part d turns the body d omega t away in the time that is left; but errors swing.
+  const auto weight_for = [this](double time_s) { return std::sqrt(1.0 + epochs_.back().omega.norm() * time_s); };
+  const double tolerance_at_end = tolerance / (kAtEnd * weight_for(span_s));
   const double shorter = std::pow(std::min(tolerance, 1e-5), 1.0 / 40.0);
-  double wanted_rad = shorter * kFirstWindow_rad;
+  double t = start_s, shear = epochs_.back().reference.shear_at_base;
+  double wanted_rad = shorter * kFirstWindow_rad, converging_rad = kLongestWindow_rad, after_encounter_rad = 0.0;
+  double time_scale_s = torques_.time_scale_s(start_s);
   variation::Orbits orbits(torques_.trajectories(), end_s, kernel_);
-  Sweeps sweeps(*this, orbits);
+  Iteration iteration(*this, orbits);
   while (t != end_s) {
     surroundings_ = orbits.asked();
     const Epoch& epoch = epochs_.back();
@@ -376,94 +459,61 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
       return;
     }
     const double remaining_s = std::abs(end_s - t);
-    double length_s = wanted_rad / rate_rad_s;
+    double length_s = std::min(wanted_rad / rate_rad_s, kTimeScales * time_scale_s);
     if (length_s > 0.999 * remaining_s) {
       length_s = remaining_s;
     } else if (length_s > 0.5 * remaining_s) {
       length_s = 0.5 * remaining_s;  // no sliver at the end
     }
     const double to_s = length_s == remaining_s ? end_s : t + std::copysign(length_s, end_s - start_s);
-    const double half_s = 0.5 * (to_s - t);
-    const double allowed = tolerance * std::sqrt(length_s / span_s);
-    // A momentum off by a part d turns the body d omega t away in the time that is left; but errors swing.
-    const double weight = std::sqrt(1.0 + rate_rad_s * remaining_s);
-    const auto size = [&](const auto& c) {
-      const double momentum = std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2])});
-      return std::max({std::abs(c[3]), std::abs(c[4]), std::abs(c[5])}) + momentum / epoch.reference.magnitude * weight;
-    };
-    // What is beyond degree n integrates to less by n^2 at the end, where errors go on, and by 2n between the points.
-    const auto truncation_of = [&](double last_coefficient, int n) {
-      const double tail = std::abs(half_s) * last_coefficient;
-      return std::max(tail / (n * n) / allowed, tail / (2 * n) / weight / tolerance);
-    };
+    const double half_s = 0.5 * (to_s - t), length_rad = length_s * rate_rad_s;
+    // Truncation goes this way and that from window to window; what iteration leaves goes one way.
+    const double part = length_s / span_s, end_weight = weight_for(remaining_s);
+    const Iteration::Demand demand{.length_s = length_s,
+                                   .length_rad = length_rad,
+                                   .within = tolerance,
+                                   .within_weight = 1.0 + rate_rad_s * std::abs(to_s - epoch.base_s),
+                                   .at_end = tolerance_at_end * std::sqrt(part),
+                                   .left = std::max(tolerance_at_end * part, kRounding * end_weight),
+                                   .end_weight = end_weight};
 
-    orbits.cover(t, to_s, kOrbitShare * allowed);
-    sweeps.begin(epoch, t, half_s, y, shear);
-    const double way = sweeps.longest_way() / (shorter * kLongestWay);
-    if (way > 1.0) {
-      wanted_rad = length_s * rate_rad_s * std::max(0.1, 0.9 / way);
+    orbits.cover(t, to_s, kOrbitShare * demand.at_end);
+    iteration.begin(epoch, t, half_s);
+    const double way = iteration.longest_way() / (shorter * kLongestWay);
+    // An encounter is seen before the torque is felt; when it is over windows are as long as before.
+    const double missed = kPullShare * std::abs(half_s) * iteration.pull_tail() / epoch.reference.magnitude *
+                          demand.within_weight / (2 * kDegree) / demand.within;
+    if (way > 1.0 || missed > 1.0) {
+      after_encounter_rad = std::max(after_encounter_rad, wanted_rad);
+      wanted_rad = length_rad * std::max(0.1, std::min(0.9 / way, 0.95 * std::pow(missed, -1.0 / 16.0)));
       continue;
     }
-    double before = 0.0, moved = size(sweeps.sweep(coarse_grid()));
-    int count = 1;
-    // Each sweep moves less than the last in about the same ratio; what is left after one is about the next.
-    const auto left = [&] {
-      return moved * std::min(1.0, count == 1 ? kStiffer * stiffness * moved / weight : moved / before);
-    };
-    double truncation = 0.0, missed_by_coarse = 0.0;
-    const auto resolved = [&] {
-      const variation::Spectrum spectrum = sweeps.spectrum();
-      const auto& c = spectrum.coefficients;
-      const double last = std::max({size(c[2]), size(c[3]), sweeps.shear_tail()}), largest = size(spectrum.largest);
-      truncation = truncation_of(last, sweeps.grid().degree);
-      missed_by_coarse = 3.0 * std::max(size(c[0]), size(c[1])) / largest;
-      return truncation <= 1.0 && (sweeps.on_all_points() || last <= kDecayed * largest);
-    };
-    bool good = resolved();
-    for (;;) {
-      if (!good) {
-        if (sweeps.on_all_points()) break;
-        sweeps.refine();
-        before = moved;
-        moved = size(sweeps.sweep(fine_grid()));
-        ++count;
-        good = resolved();
-        continue;
-      }
-      for (; left() > kLeft * allowed && count < kMostSweeps && (count == 1 || moved < 0.5 * before); ++count) {
-        const bool coarse_will_do =
-            sweeps.on_all_points() && left() * std::max(missed_by_coarse, moved / before) <= kLeft * allowed;
-        before = moved;
-        moved = size(sweeps.sweep(coarse_will_do ? coarse_grid() : sweeps.grid()));
-        if (count == 1) {
-          stiffness = std::max(stiffness == kUnknown ? 0.0 : stiffness, moved / before / (before / weight));
-        }
-      }
-      if (sweeps.on_all_points()) break;
-      // With the first sweep alone the square of the deviation was not yet seen.
-      good = resolved();
-      if (good) break;
-    }
-    if (!good) {
-      wanted_rad = length_s * rate_rad_s * std::clamp(0.9 * std::pow(truncation, -1.0 / kCoarse), 0.3, 0.9);
+    if (!iteration.solve(y, shear, demand)) {
+      after_encounter_rad = 0.0;
+      const bool is_too_long = iteration.truncation() > 1.0;
+      wanted_rad =
+          length_rad * (is_too_long ? std::max(0.3, 0.9 * std::pow(iteration.truncation(), -1.0 / kDegree)) : 0.5);
+      if (!is_too_long) converging_rad = wanted_rad;
       continue;
     }
-    const bool converged = left() <= kLeft * allowed;
-    const double factor = converged ? 0.9 * std::pow(std::max(truncation, 1e-300), -1.0 / sweeps.grid().degree) : 0.5;
-    wanted_rad = std::min(length_s * rate_rad_s * std::clamp(factor, 0.4, 1.6), shorter * kLongestWindow_rad);
-    if (!converged) continue;
-    windows_.push_back({t, to_s - t, epochs_.size() - 1, values_.size(), sweeps.grid().degree});
+    if (length_rad < 0.99 * wanted_rad) after_encounter_rad = std::max(after_encounter_rad, wanted_rad);
+    const double longer = 0.93 * std::pow(std::max(iteration.truncation(), 1e-300), -1.0 / kDegree);
+    converging_rad *= 1.1;
+    wanted_rad = std::min({std::max(length_rad * std::clamp(longer, 0.4, 3.0), after_encounter_rad),
+                           shorter * kLongestWindow_rad, converging_rad});
+    after_encounter_rad = 0.0;
+    windows_.push_back({t, to_s - t, epochs_.size() - 1, values_.size()});
     for (int k = 0; k <= kCoefficients; ++k) {
-      const double* of = k < kCoefficients ? sweeps.values()[k] : sweeps.places().shear;
-      values_.insert(values_.end(), of, of + kCoarse + 1);
-      if (sweeps.on_all_points()) values_.insert(values_.end(), of + kCoarseSlots, of + kCoarseSlots + kCoarse);
+      const double* of = k < kCoefficients ? iteration.values()[k] : iteration.places().shear;
+      values_.insert(values_.end(), of, of + kPoints);
     }
     t = to_s;
-    for (int k = 0; k < kCoefficients; ++k) y[k] = sweeps.values()[k][kLast];
-    shear = sweeps.places().shear[kLast];
-    if (sweeps.deviation_rad() > kLargestDeviation_rad || sweeps.derivative() > kLargestDerivative ||
+    time_scale_s = iteration.time_scale_s();
+    for (int k = 0; k < kCoefficients; ++k) y[k] = iteration.values()[k][kLast];
+    shear = iteration.places().shear[kLast];
+    if (iteration.deviation_rad() > kLargestDeviation_rad || iteration.derivative() > kLargestDerivative ||
         std::abs(t - epoch.base_s) * rate_rad_s > kLongestEpoch_rad) {
-      y = begin_epoch(t, end_of(epoch, sweeps.places(), sweeps.values()), epoch.momentum + y.head<3>());
+      y = begin_epoch(t, end_of(epoch, iteration.places(), iteration.values()), epoch.momentum + y.head<3>());
       shear = epochs_.back().reference.shear_at_base;
     }
   }
@@ -480,24 +530,22 @@ FreeState Variation::at(double t_high_s, double t_low_s) const {
   const Window& window = after == windows_.begin() ? *after : *(after - 1);
   // The barycentric formula (Berrut & Trefethen, SIAM Rev. 46, 501, 2004).
   const double x = 2.0 * ((t_high_s - window.first_s) + t_low_s) / window.length_s - 1.0;
-  const int n = window.degree;
+  const Grid& grid = the_grid();
   const double* const values = &values_[window.values];
   double sums[kCoefficients + 1] = {}, weights = 0.0;
-  for (int i = 0; i <= n; ++i) {
-    const double away = x - chebyshev_point(i, n);
-    const double* const here = values + (n == kFine && i % 2 == 1 ? kCoarse + 1 + i / 2 : i * kCoarse / n);
-    const double weight = away == 0.0 ? 1.0 : (i % 2 == 0 ? 1.0 : -1.0) * (i == 0 || i == n ? 0.5 : 1.0) / away;
+  for (int i = 0; i < kPoints; ++i) {
+    const double away = x - grid.point[i];
+    const double weight = away == 0.0 ? 1.0 : grid.barycentric[i] / away;
     if (away == 0.0) std::fill(sums, sums + kCoefficients + 1, weights = 0.0);
-    for (int k = 0; k <= kCoefficients; ++k) sums[k] += weight * here[k * (n + 1)];
+    for (int k = 0; k <= kCoefficients; ++k) sums[k] += weight * values[k * kPoints + i];
     weights += weight;
     if (away == 0.0) break;
   }
   const Epoch& epoch = epochs_[window.epoch];
   variation::Places place;
-  constexpr int kRegister = 8;
   std::fill(place.since_base_s, place.since_base_s + kRegister, (t_high_s - epoch.base_s) + t_low_s);
-  find_places(epoch, 0, kRegister, place);
-  InSlots y[kCoefficients];
+  find_places(epoch, kRegister, place);
+  AtPoints y[kCoefficients];
   for (int k = 0; k < kCoefficients; ++k) y[k][0] = sums[k] / weights;
   place.shear[0] = sums[kCoefficients] / weights;
   return state(epoch, place, y, 0);
@@ -532,30 +580,63 @@ const Kernel& best_kernel() {
   return k_kernel_baseline;
 }
 
-Grid::Grid(int n)
-    : degree(n), rows(n == kFine ? slot(kFine - 1) + 1 : n + 1), slots(n == kFine ? kSlots : kCoarseSlots) {
+namespace {
+
+/// Legendre polynomials of degree 0 to kPoints at x.
+std::array<double, kPoints + 1> legendre(double x) {
+  std::array<double, kPoints + 1> p{1.0, x};
+  for (std::size_t k = 1; k < kPoints; ++k) {
+    const double degree = static_cast<double>(k);
+    p[k + 1] = ((2.0 * degree + 1.0) * x * p[k] - degree * p[k - 1]) / (degree + 1.0);
+  }
+  return p;
+}
+
+}  // namespace
+
+Grid::Grid() {
+  constexpr int n = kDegree;
+  double ascending[kPoints];
+  for (int i = 0; i <= n; ++i) {
+    double x = -std::cos(std::numbers::pi * i / n);
+    for (int step = 0; step < 20 && i > 0 && i < n; ++step) {
+      // Newton's for P_n' = 0, by (1 - x^2) P_n'' = 2 x P_n' - n (n + 1) P_n.
+      const auto p = legendre(x);
+      const double first = n * (p[n - 1] - x * p[n]);  // times 1 - x^2
+      x -= first / (2.0 * x * first / (1.0 - x * x) - n * (n + 1) * p[n]);
+    }
+    ascending[i] = x;
+  }
+  int guesses = 0, others = kGuess;
+  for (int i = 0; i <= n; ++i) {
+    const bool of_guess = i == (2 * guesses * n + (kGuess - 1)) / (2 * (kGuess - 1));
+    point[of_guess ? guesses++ : others++] = 0.5 * (ascending[i] - ascending[n - i]);
+  }
   for (int j = 0; j <= n; ++j) {
-    const int in_slot = slot(j * (kFine / n));
-    // Of the polynomial that is 1 at point j and 0 at the others.
-    std::array<double, kFine + 3> value{}, sum{};
-    const auto ends = [n](int i) { return i == 0 || i == n ? 0.5 : 1.0; };
-    for (int k = 0; k <= n; ++k) {
-      value[k] = 2.0 / n * ends(j) * ends(k) * std::cos(std::numbers::pi * k * (n - j) / n);
+    // Of the polynomial that is 1 at point j and 0 at the others; the norm of the last coefficient is the rule's.
+    const auto p = legendre(point[j]);
+    const double weight = 2.0 / (n * (n + 1) * p[n] * p[n]);
+    double of_degree[kPoints];
+    for (int k = 0; k <= n; ++k) of_degree[k] = (k == n ? 0.5 * n : k + 0.5) * weight * p[static_cast<std::size_t>(k)];
+    barycentric[j] = 1.0 / p[n];
+    const int degrees[4] = {kPoints / 2 - 1, kPoints / 2, n - 1, n};
+    for (int k = 0; k < 4; ++k) coefficients[k][j] = of_degree[degrees[k]];
+    for (int i = 0; i <= n; ++i) {
+      const auto there = legendre(point[i]);
+      double sum = of_degree[0] * (1.0 + point[i]);
+      for (std::size_t k = 1; k <= n; ++k) {
+        sum += of_degree[k] * (there[k + 1] - there[k - 1]) / (2.0 * static_cast<double>(k) + 1.0);
+      }
+      integral[j][i] = sum;
     }
-    for (int k = 1; k <= n + 1; ++k) {
-      sum[k] = ((k == 1 ? 2.0 : 1.0) * value[k - 1] - value[k + 1]) / (2.0 * k);
-      sum[0] += k % 2 == 0 ? -sum[k] : sum[k];
-    }
-    for (int k = 0; k < 4; ++k) coefficients[k][in_slot] = value[k < 2 ? n / 2 + k : n - 3 + k];
-    for (int i = 0; i <= kFine; ++i) {
-      const double angle = std::numbers::pi * (kFine - i) / kFine;
-      for (int k = 0; k <= n + 1; ++k) {
-        interpolation[in_slot][slot(i)] += value[k] * std::cos(k * angle);
-        integral[in_slot][slot(i)] += sum[k] * std::cos(k * angle);
+  }
+  for (int j = 0; j < kGuess; ++j) {
+    for (int i = 0; i <= n; ++i) {
+      interpolation[j][i] = 1.0;
+      for (int l = 0; l < kGuess; ++l) {
+        if (l != j) interpolation[j][i] *= (point[i] - point[l]) / (point[j] - point[l]);
       }
     }
-    fill_up(interpolation[in_slot]);
-    fill_up(integral[in_slot]);
   }
 }
 

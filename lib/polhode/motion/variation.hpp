@@ -42,6 +42,8 @@ class Variation {
 
   /// Responses of the body, at so many points and sweeps together.
   std::size_t torque_evaluations() const { return evaluations_; }
+  /// Derivatives of it by the attitude, likewise.
+  std::size_t gradients() const { return gradients_; }
   /// How often the places on the trajectories of the torques were asked for.
   std::size_t surroundings_found() const { return surroundings_; }
   std::size_t windows() const { return windows_.size(); }
@@ -68,17 +70,16 @@ class Variation {
     double first_s, length_s;  // signed length
     std::size_t epoch;
     std::size_t values;  // the first of its own: the coefficients and the shear, each at the coarse points, then others
-    int degree;
   };
-  class Sweeps;
+  class Iteration;
 
   /// Adds one; the coefficients of its base.
   Coefficients begin_epoch(double t_s, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
-  /// But for the shear, for some slots of p.since_base_s.
-  void find_places(const Epoch& epoch, int from, int to, variation::Places& p) const;
-  FreeState state(const Epoch& epoch, const variation::Places& p, const variation::InSlots* values, int in_slot) const;
+  /// But for the shear, for some of p.since_base_s.
+  void find_places(const Epoch& epoch, int points, variation::Places& p) const;
+  FreeState state(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values, int point) const;
   /// The attitude at the end of an epoch, less what the rounding of its free motion is in energy.
-  Quaternion end_of(const Epoch& epoch, const variation::Places& p, const variation::InSlots* values) const;
+  Quaternion end_of(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values) const;
 
   Torques torques_, others_;  // others: without the gravity gradients
   std::vector<Torques::Pull> pulls_;
@@ -90,7 +91,7 @@ class Variation {
   std::vector<Window> windows_;
   std::vector<double> values_;  // of all windows
   bool whole_ = false;
-  std::size_t evaluations_ = 0, surroundings_ = 0;
+  std::size_t evaluations_ = 0, gradients_ = 0, surroundings_ = 0;
 };
 
 }  // namespace polhode

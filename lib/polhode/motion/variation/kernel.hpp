@@ -1,5 +1,7 @@
 // Included once by each target_*.cpp, which is compiled for its own instruction set.
 
+#include <cmath>
+
 #include "polhode/motion/theta/lanes.hpp"
 #include "polhode/motion/variation/window.hpp"
 
@@ -52,18 +54,18 @@ inline Three<V> all_of(const double* a) {
   return {all<V>(a[0]), all<V>(a[1]), all<V>(a[2])};
 }
 template <class V>
-inline Three<V> get(const InSlots* v, int i) {
+inline Three<V> get(const AtPoints* v, int i) {
   return {load<V>(v[0] + i), load<V>(v[1] + i), load<V>(v[2] + i)};
 }
 template <class V>
-inline void put(Three<V> a, InSlots* v, int i) {
+inline void put(Three<V> a, AtPoints* v, int i) {
   store(v[0] + i, a.x);
   store(v[1] + i, a.y);
   store(v[2] + i, a.z);
 }
 /// Symmetric matrix (11, 22, 33, 23, 31, 12) times vector.
 template <class V>
-inline Three<V> times(const InSlots* matrix, int i, Three<V> v) {
+inline Three<V> times(const AtPoints* matrix, int i, Three<V> v) {
   const V j1 = load<V>(matrix[0] + i), j2 = load<V>(matrix[1] + i), j3 = load<V>(matrix[2] + i);
   const V j23 = load<V>(matrix[3] + i), j31 = load<V>(matrix[4] + i), j12 = load<V>(matrix[5] + i);
   return {multiply_add(j1, v.x, multiply_add(j12, v.y, V(j31 * v.z))),
@@ -71,16 +73,16 @@ inline Three<V> times(const InSlots* matrix, int i, Three<V> v) {
           multiply_add(j31, v.x, multiply_add(j23, v.y, V(j3 * v.z)))};
 }
 
-void find_places(const Reference& r, int from, int to, Places& p) {
+void find_places(const Reference& r, int points, Places& p) {
   using V = Lanes;
   const V one = all<V>(1.0), two = all<V>(2.0);
   const Three<V> along = all_of<V>(r.along);
-  for (int i = from; i < to; i += kLanes) {
+  for (int i = 0; i < points; i += kLanes) {
     const V w = load<V>(p.q[0] + i), x = load<V>(p.q[1] + i), y = load<V>(p.q[2] + i), z = load<V>(p.q[3] + i);
     const Three<V> e[3] = {{one - two * (y * y + z * z), two * (x * y + w * z), two * (x * z - w * y)},
                            {two * (x * y - w * z), one - two * (x * x + z * z), two * (y * z + w * x)},
                            {two * (x * z + w * y), two * (y * z - w * x), one - two * (x * x + y * y)}};
-    const auto tensor = [&](const double* of, InSlots* out) {
+    const auto tensor = [&](const double* of, AtPoints* out) {
       const Three<V> f1 = all<V>(of[0]) * e[0], f2 = all<V>(of[1]) * e[1], f3 = all<V>(of[2]) * e[2];
       const auto entry = [&](int at, V a1, V b1, V a2, V b2, V a3, V b3) {
         store(out[at] + i, multiply_add(a1, b1, multiply_add(a2, b2, V(a3 * b3))));
@@ -108,10 +110,10 @@ void find_places(const Reference& r, int from, int to, Places& p) {
   }
 }
 
-void find_series(const double* coefficients, int degree, double base_s, double scale_1_s, const InSlots& since_base_s,
-                 int from, int to, InSlots* states) {
+void find_series(const double* coefficients, int degree, double base_s, double scale_1_s, const AtPoints& since_base_s,
+                 AtPoints* states) {
   using V = Lanes;
-  for (int i = from; i < to; i += kLanes) {
+  for (int i = 0; i < kPoints; i += kLanes) {
     const V x = all<V>(scale_1_s) * (load<V>(since_base_s + i) + all<V>(base_s)), twice = x + x;
     V b[6] = {}, after[6] = {};
     for (int j = degree; j > 0; --j) {
@@ -125,9 +127,9 @@ void find_series(const double* coefficients, int degree, double base_s, double s
   }
 }
 
-void find_pull(const InSlots* position_m, double root_of_three_mu, int from, int to, InSlots* pull) {
+void find_pull(const AtPoints* position_m, double root_of_three_mu, AtPoints* pull) {
   using V = Lanes;
-  for (int i = from; i < to; i += kLanes) {
+  for (int i = 0; i < kPoints; i += kLanes) {
     const Three<V> r = get<V>(position_m, i);
     const V square = dot(r, r);
     put(V(all<V>(root_of_three_mu) / (square * square_root(square_root(square)))) * r, pull, i);
@@ -146,26 +148,27 @@ inline Three<V> angle_of(const Reference& r, const Places& p, int i, Three<V> mu
 }
 
 template <class V>
-inline Three<V> relative_momentum(const Reference& r, const InSlots* y, int i) {
+inline Three<V> relative_momentum(const Reference& r, const AtPoints* y, int i) {
   return all<V>(1.0 / r.magnitude) * get<V>(y, i);
 }
 
 template <class V>
-inline Three<V> angle_in(const Reference& r, const Places& p, const InSlots* y, int i) {
+inline Three<V> angle_in(const Reference& r, const Places& p, const AtPoints* y, int i) {
   return angle_of(r, p, i, relative_momentum<V>(r, y, i), load<V>(y[3] + i), load<V>(y[4] + i), load<V>(y[5] + i));
 }
 
-void angle(const Reference& r, const Places& p, const InSlots* y, int slot, double* rotation_vector) {
-  const Three<double> theta = angle_in<double>(r, p, y, slot);
+void angle(const Reference& r, const Places& p, const AtPoints* y, int point, double* rotation_vector) {
+  const Three<double> theta = angle_in<double>(r, p, y, point);
   rotation_vector[0] = theta.x, rotation_vector[1] = theta.y, rotation_vector[2] = theta.z;
 }
 
-void add_gravity_gradients(const Reference& r, const Places& p, const InSlots* pulls, std::size_t masses,
-                           const InSlots* y, int slots, InSlots* torque) {
+void feel_gravity_gradients(const Reference& r, const Places& p, const AtPoints* pulls, std::size_t masses,
+                            const AtPoints* y, int points, Felt& felt) {
   using V = Lanes;
   const V half = all<V>(0.5);
-  for (int i = 0; i < slots; i += kLanes) {
+  for (int i = 0; i < points; i += kLanes) {
     const Three<V> theta = angle_in<V>(r, p, y, i);
+    put(theta, felt.angle, i);
     const V c = square_root(magnitude(V(all<V>(1.0) - all<V>(0.25) * dot(theta, theta))));
     Three<V> sum{};
     for (std::size_t k = 0; k < masses; ++k) {
@@ -175,15 +178,56 @@ void add_gravity_gradients(const Reference& r, const Places& p, const InSlots* p
       sum = sum + cross(u, times(p.inertia, i, u));
     }
     const Three<V> turned = cross(theta, sum);
-    put(get<V>(torque, i) + multiply_add(half, cross(theta, turned), multiply_add(c, turned, sum)), torque, i);
+    put(multiply_add(half, cross(theta, turned), multiply_add(c, turned, sum)), felt.torque, i);
   }
 }
 
-void find_rates(const Reference& r, const Places& p, const Felt& felt, const InSlots* y, int slots, InSlots* rates) {
+void find_gradients(const Reference& r, const Places& p, const AtPoints* pulls, std::size_t masses, const AtPoints* y,
+                    Felt& felt) {
+  using V = Lanes;
+  const V one = all<V>(1.0), half = all<V>(0.5);
+  for (int i = 0; i < kPoints; i += kLanes) {
+    // Half way from where it was felt: so it takes the second order with it.
+    const Three<V> theta = half * (get<V>(felt.angle, i) + angle_in<V>(r, p, y, i));
+    const V c = square_root(magnitude(V(one - all<V>(0.25) * dot(theta, theta)))), quarter = all<V>(0.25) / c;
+    // In the axes of the free motion: by what turn there a step of each component goes with.
+    const V along[3] = {quarter * theta.x, quarter * theta.y, quarter * theta.z};
+    const Three<V> turn[3] = {{multiply_add(along[0], theta.x, c), multiply_add(along[0], theta.y, V(-half * theta.z)),
+                               multiply_add(along[0], theta.z, V(half * theta.y))},
+                              {multiply_add(along[1], theta.x, V(half * theta.z)), multiply_add(along[1], theta.y, c),
+                               multiply_add(along[1], theta.z, V(-half * theta.x))},
+                              {multiply_add(along[2], theta.x, V(-half * theta.y)),
+                               multiply_add(along[2], theta.y, V(half * theta.x)), multiply_add(along[2], theta.z, c)}};
+    Three<V> sum[3] = {};
+    for (std::size_t k = 0; k < masses; ++k) {
+      const Three<V> there = get<V>(pulls + 3 * k, i), turned = cross(theta, there);
+      const Three<V> u = multiply_add(half, cross(theta, turned), multiply_add(V(-c), turned, there));
+      const Three<V> w = times(p.inertia, i, u), torque = cross(u, w);
+      for (int l = 0; l < 3; ++l) {
+        const Three<V> moved = cross(turn[l], u);
+        sum[l] = sum[l] + ((cross(turn[l], torque) - cross(moved, w)) - cross(u, times(p.inertia, i, moved)));
+      }
+    }
+    for (int l = 0; l < 3; ++l) {
+      const Three<V> turned = cross(theta, sum[l]);
+      put(multiply_add(half, cross(theta, turned), multiply_add(c, turned, sum[l])), felt.gradient + 3 * l, i);
+    }
+  }
+}
+
+inline double largest_of(Lanes a) {
+  double largest = a[0];
+  for (int i = 1; i < kLanes; ++i) largest = largest < a[i] ? a[i] : largest;
+  return largest;
+}
+inline Lanes larger(Lanes a, Lanes b) { return -theta::smaller(-a, -b); }
+
+double find_rates(const Reference& r, const Places& p, const Felt& felt, const AtPoints* y, AtPoints* rates) {
   using V = Lanes;
   const V one = all<V>(1.0), half = all<V>(0.5), unit = all<V>(r.magnitude), reciprocal = all<V>(1.0 / r.magnitude);
   const Three<V> along = all_of<V>(r.along);
-  for (int i = 0; i < slots; i += kLanes) {
+  V largest{};
+  for (int i = 0; i < kPoints; i += kLanes) {
     const Three<V> mu = relative_momentum<V>(r, y, i);  // all momenta in units of the free motion's
     const Three<V> theta = angle_of(r, p, i, mu, load<V>(y[3] + i), load<V>(y[4] + i), load<V>(y[5] + i));
     const V s = all<V>(0.25) * dot(theta, theta);
@@ -202,7 +246,13 @@ void find_rates(const Reference& r, const Places& p, const Felt& felt, const InS
     Three<V> n = multiply_add(unit, times(p.inverse_inertia, i, second), half * cross(more, theta));
     n = multiply_add(V(-less), rate, multiply_add(V(-s), turned_omega, n));
     n = multiply_add(c, multiply_add(c, turned_rate, twice + relaxation), n);
-    const Three<V> torque = get<V>(felt.torque, i), relative = reciprocal * torque;
+    const Three<V> moved = theta - get<V>(felt.angle, i);
+    largest = larger(largest, dot(moved, moved));
+    Three<V> torque = get<V>(felt.torque, i);
+    torque = multiply_add(moved.x, get<V>(felt.gradient, i), torque);
+    torque = multiply_add(moved.y, get<V>(felt.gradient + 3, i), torque);
+    torque = multiply_add(moved.z, get<V>(felt.gradient + 6, i), torque);
+    const Three<V> relative = reciprocal * torque;
     const V since_base_s = load<V>(p.since_base_s + i);
     const Three<V> rest = multiply_add(V(-dot(along, relative) * since_base_s), omega, n - cross(along, relative));
     put(torque, rates, i);
@@ -213,78 +263,63 @@ void find_rates(const Reference& r, const Places& p, const Felt& felt, const InS
     store(rates[4] + i, V(first * multiply_add(dot(rest, across), load<V>(p.reciprocal_square + i), V(-(shear * a2)))));
     store(rates[5] + i, a2);
   }
+  return std::sqrt(largest_of(largest));
 }
 
 /// As many components as leave registers free.
-#if defined(__AVX512F__)
+#if defined(__AVX__)
 constexpr int kTogether = 6;
 #else
 constexpr int kTogether = 3;
 #endif
 
-/// Sixteen slots of several components: by times the values times the rows, each to be used by `take`.
-template <int kComponents, class Take>
-inline void products(const InSlots* values, int rows, const InSlots* matrix, int first, double by, const Take& take) {
-  constexpr int kRegisters = kCoarseSlots / kLanes;
-  Lanes sum[kComponents][kRegisters] = {};
-  for (int j = 0; j < rows; ++j) {
-    Lanes row[kRegisters];
-    for (int i = 0; i < kRegisters; ++i) row[i] = load<Lanes>(matrix[j] + first + i * kLanes);
-    for (int c = 0; c < kComponents; ++c) {
-      const Lanes value = all<Lanes>(values[c][j]);
-      for (int i = 0; i < kRegisters; ++i) sum[c][i] = multiply_add(value, row[i], sum[c][i]);
-    }
-  }
-  for (int c = 0; c < kComponents; ++c) {
-    for (int i = 0; i < kRegisters; ++i) take(c, first + i * kLanes, all<Lanes>(by) * sum[c][i]);
-  }
-}
-
-void add_products(const InSlots* values, int components, int rows, const InSlots* matrix, int from_slot, int to_slot,
-                  double by, InSlots* to) {
-  const auto add = [&](int c, int i, Lanes sum) { store(to[c] + i, load<Lanes>(to[c] + i) + sum); };
-  while (components > 0) {
-    const int done = components >= 3 ? 3 : 1;
-    for (int first = from_slot; first < to_slot; first += kCoarseSlots) {
-      if (done == 3) {
-        products<3>(values, rows, matrix, first, by, add);
-      } else {
-        products<1>(values, rows, matrix, first, by, add);
-      }
-    }
-    components -= done, values += done, to += done;
-  }
-}
-
-inline double largest_of(Lanes a) {
-  double largest = a[0];
-  for (int i = 1; i < kLanes; ++i) largest = largest < a[i] ? a[i] : largest;
-  return largest;
-}
-inline Lanes larger(Lanes a, Lanes b) { return -theta::smaller(-a, -b); }
-
-void integrate(const Grid& grid, const InSlots* rates, double half_s, const InSlots* start, InSlots* y,
+void integrate(const Grid& grid, const AtPoints* rates, double half_s, const double* start, AtPoints* y,
                double* changes) {
+  constexpr int kRegisters = kRegister / kLanes;
   for (int done = 0; done < kCoefficients; done += kTogether) {
     Lanes change[kTogether] = {};
-    for (int first = 0; first < grid.slots; first += kCoarseSlots) {
-      products<kTogether>(rates + done, grid.rows, grid.integral, first, half_s, [&](int c, int i, Lanes sum) {
-        const Lanes now = load<Lanes>(start[done + c] + i) + sum;
-        change[c] = larger(change[c], magnitude(now - load<Lanes>(y[done + c] + i)));
-        store(y[done + c] + i, now);
-      });
+    for (int first = 0; first < kPoints; first += kRegister) {
+      Lanes sum[kTogether][kRegisters] = {};
+      for (int j = 0; j < kPoints; ++j) {
+        Lanes row[kRegisters];
+        for (int i = 0; i < kRegisters; ++i) row[i] = load<Lanes>(grid.integral[j] + first + i * kLanes);
+        for (int c = 0; c < kTogether; ++c) {
+          const Lanes rate = all<Lanes>(rates[done + c][j]);
+          for (int i = 0; i < kRegisters; ++i) sum[c][i] = multiply_add(rate, row[i], sum[c][i]);
+        }
+      }
+      for (int c = 0; c < kTogether; ++c) {
+        for (int i = 0; i < kRegisters; ++i) {
+          double* at = y[done + c] + first + i * kLanes;
+          const Lanes now = multiply_add(all<Lanes>(half_s), sum[c][i], all<Lanes>(start[done + c]));
+          change[c] = larger(change[c], magnitude(now - load<Lanes>(at)));
+          store(at, now);
+        }
+      }
     }
     for (int c = 0; c < kTogether; ++c) changes[done + c] = largest_of(change[c]);
   }
 }
 
-void find_spectrum(const Grid& grid, const InSlots* rates, Spectrum& spectrum) {
-  for (int k = 0; k < kCoefficients; ++k) {
+void add_products(const AtPoints* rows, int count, const AtPoints* values, int components, double by, AtPoints* to) {
+  constexpr int kRegisters = kPoints / kLanes;
+  for (int c = 0; c < components; ++c) {
+    Lanes sum[kRegisters] = {};
+    for (int j = 0; j < count; ++j) {
+      const Lanes value = all<Lanes>(by * values[c][j]);
+      for (int i = 0; i < kRegisters; ++i) sum[i] = multiply_add(value, load<Lanes>(rows[j] + i * kLanes), sum[i]);
+    }
+    for (int i = 0; i < kRegisters; ++i) store(to[c] + i * kLanes, load<Lanes>(to[c] + i * kLanes) + sum[i]);
+  }
+}
+
+void find_spectrum(const Grid& grid, const AtPoints* values, int components, Spectrum& spectrum) {
+  for (int k = 0; k < components; ++k) {
     Lanes sums[4] = {}, largest = {};
-    for (int i = 0; i < grid.slots; i += kLanes) {
-      const Lanes rate = load<Lanes>(rates[k] + i);
-      for (int l = 0; l < 4; ++l) sums[l] = multiply_add(load<Lanes>(grid.coefficients[l] + i), rate, sums[l]);
-      largest = larger(largest, magnitude(rate));
+    for (int i = 0; i < kPoints; i += kLanes) {
+      const Lanes value = load<Lanes>(values[k] + i);
+      for (int l = 0; l < 4; ++l) sums[l] = multiply_add(load<Lanes>(grid.coefficients[l] + i), value, sums[l]);
+      largest = larger(largest, magnitude(value));
     }
     for (int l = 0; l < 4; ++l) {
       double sum = 0.0;
@@ -296,8 +331,8 @@ void find_spectrum(const Grid& grid, const InSlots* rates, Spectrum& spectrum) {
 }
 
 constexpr Kernel kernel(const char* name) {
-  return {name,       find_places, find_series,  find_pull,     add_gravity_gradients,
-          find_rates, integrate,   add_products, find_spectrum, angle};
+  return {name,      find_places,  find_series,   find_pull, feel_gravity_gradients, find_gradients, find_rates,
+          integrate, add_products, find_spectrum, angle};
 }
 
 }  // namespace

@@ -126,22 +126,19 @@ double Orbits::rounding() const {
   return 4e-16 * (1.0 + rate_1_s * std::max(std::abs(from_s_), std::abs(to_s_)));
 }
 
-void Orbits::find(std::size_t trajectory, double base_s, const InSlots& since_base_s, int from, int to,
-                  InSlots* states) {
+void Orbits::find(std::size_t trajectory, double base_s, const AtPoints& since_base_s, AtPoints* states) {
   if (resolved_) {
     kernel_.find_series(series_[trajectory].coefficients[0], terms_ - 1, base_s - 0.5 * (from_s_ + to_s_),
-                        2.0 / (to_s_ - from_s_), since_base_s, from, to, states);
+                        2.0 / (to_s_ - from_s_), since_base_s, states);
     return;
   }
-  for (int i = from; i < to; ++i) {
-    if (is_filled_up(i)) continue;
+  for (int i = 0; i < kPoints; ++i) {
     double t_s = base_s + since_base_s[i];
     if ((t_s - end_s_) * (end_s_ - from_s_) > 0.0) t_s = end_s_;  // by a rounding
     const OrbitState<double> state = trajectories_[trajectory].state(t_s);
     for (int k = 0; k < 3; ++k) states[k][i] = state.position_m[k], states[3 + k][i] = state.velocity_m_s[k];
     asked_ += trajectory == 0 ? 1 : 0;
   }
-  for (int k = 0; k < 6; ++k) fill_up(states[k]);
 }
 
 }  // namespace polhode::variation

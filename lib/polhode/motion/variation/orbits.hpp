@@ -20,9 +20,9 @@ class Orbits {
   /// jumps in its derivatives, there are none.
   void cover(double from_s, double to_s, double relative);
 
-  /// Positions and velocities at the times base_s + since_base_s, which were to be covered, in some slots; without
-  /// polynomials every one is asked for.
-  void find(std::size_t trajectory, double base_s, const InSlots& since_base_s, int from, int to, InSlots* states);
+  /// Positions and velocities at the times base_s + since_base_s, which were to be covered; without polynomials every
+  /// one is asked for.
+  void find(std::size_t trajectory, double base_s, const AtPoints& since_base_s, AtPoints* states);
 
   /// How often the trajectories were asked.
   std::size_t asked() const { return asked_; }

@@ -4,42 +4,29 @@
 
 namespace polhode::variation {
 
-/// Degree of the polynomials of a window on the fine grid, and on the coarse one, which takes every second point.
-inline constexpr int kFine = 24, kCoarse = kFine / 2;
+/// Points of a window. In memory those come first that serve for a guess, about every third, both ends among them;
+/// either lot is whole registers of any instruction set, and in order of time.
+inline constexpr int kPoints = 24, kGuess = 16, kDegree = kPoints - 1;
+inline constexpr int kRegister = 8, kLast = kGuess - 1;
+static_assert(kPoints % kRegister == 0 && kGuess % kRegister == 0);
 
-/// Points in memory: the coarse ones first, in order of time and filled up to whole registers, then those between,
-/// likewise. What takes the coarse grid alone takes the first slots.
-inline constexpr int kCoarseSlots = 16, kSlots = 2 * kCoarseSlots;
-/// Of point i of the fine grid.
-constexpr int slot(int i) { return i % 2 == 0 ? i / 2 : kCoarseSlots + i / 2; }
-/// Of the last point, whatever the grid.
-inline constexpr int kLast = slot(kFine);
-
-/// A number in each slot.
-using InSlots = double[kSlots];
-
-/// What fills up the registers is the last point again.
-constexpr bool is_filled_up(int in_slot) {
-  return (in_slot > kLast && in_slot < kCoarseSlots) || in_slot > slot(kFine - 1);
-}
-inline void fill_up(double* v) {
-  for (int i = kLast + 1; i < kSlots; ++i) {
-    if (is_filled_up(i)) v[i] = v[i < kCoarseSlots ? kLast : slot(kFine - 1)];
-  }
-}
+/// A number at each point.
+using AtPoints = double[kPoints];
 
 /// The six coefficients: the deviation of the momentum (3, inertial), and what there is of the derivatives of the free
 /// motion by a turn about the momentum and by a shift in time, and of the third one (variation.md).
 inline constexpr int kCoefficients = 6;
 
-/// From values at the points of a Chebyshev grid: values of the polynomial through them, and of its integral from the
-/// first point, in all slots; and four of its Chebyshev coefficients (Clenshaw & Curtis, Numer. Math. 2, 197, 1960).
-/// Row j is what the value in slot j contributes.
+/// Gauss-Lobatto points, and what follows from values there for the polynomial through them. Its integral over the
+/// window is exact to degree 2 kPoints - 3 (Abramowitz & Stegun 25.4.32).
 struct Grid {
-  explicit Grid(int n);  ///< of degree kCoarse or kFine
-  int degree, rows, slots;
-  double interpolation[kSlots][kSlots] = {}, integral[kSlots][kSlots] = {};
-  double coefficients[4][kSlots] = {};  ///< of degree n/2, n/2 + 1, n - 1, n
+  Grid();
+  AtPoints point;                  ///< on (-1, 1)
+  AtPoints barycentric;            ///< weights (Berrut & Trefethen, SIAM Rev. 46, 501, 2004)
+  AtPoints integral[kPoints];      ///< from the first point to each; row j is what the value at point j contributes
+  AtPoints interpolation[kGuess];  ///< by the polynomial through the points of the guess
+  /// Of the Legendre polynomials of degrees kPoints/2 - 1, kPoints/2, kPoints - 2 and kPoints - 1.
+  AtPoints coefficients[4];
 };
 
 /// What is the same everywhere on one free motion.
@@ -56,50 +43,55 @@ struct Reference {
 
 /// Times, and what the free motion and its derivatives are there; all inertial.
 struct Places {
-  InSlots since_base_s;
-  InSlots q[4];
-  InSlots omega[3], across[3];             ///< the rate, and its part across the momentum
-  InSlots reciprocal_square;               ///< of that part's length
-  InSlots shear_rate, shear_swing, shear;  ///< shear: what the rate integrates to
-  InSlots inertia[6], inverse_inertia[6];  ///< 11, 22, 33, 23, 31, 12
+  AtPoints since_base_s;
+  AtPoints q[4];
+  AtPoints omega[3], across[3];             ///< the rate, and its part across the momentum
+  AtPoints reciprocal_square;               ///< of that part's length
+  AtPoints shear_rate, shear_swing, shear;  ///< shear: what the rate integrates to
+  AtPoints inertia[6], inverse_inertia[6];  ///< 11, 22, 33, 23, 31, 12
 };
 
-/// What the body feels.
+/// What the body felt at a deviation by `angle`.
 struct Felt {
-  InSlots torque[3] = {};
-  InSlots relaxation[3] = {};  ///< what internal dissipation adds to the rate
+  AtPoints torque[3] = {};
+  AtPoints relaxation[3] = {};  ///< what internal dissipation adds to the rate
+  AtPoints angle[3] = {};
+  AtPoints gradient[9] = {};  ///< of the torque by the deviation: three columns
 };
 
-/// Of rates: Chebyshev coefficients of the degrees that a grid has, and the largest magnitudes.
+/// Of several components: Legendre coefficients of the degrees that a grid has, and the largest magnitudes.
 struct Spectrum {
   double coefficients[4][kCoefficients], largest[kCoefficients];
 };
 
-/// The loops over slots, compiled once for each instruction set. Slots are counted in whole registers.
+/// The loops over points, compiled once for each instruction set.
 struct Kernel {
   const char* name;
-  /// From the attitudes.
-  void (*find_places)(const Reference&, int from, int to, Places&);
+  /// From the attitudes; of so many points, whole registers.
+  void (*find_places)(const Reference&, int points, Places&);
   /// Six Chebyshev series, coefficients[degree + 1][6], of (since_base_s + base_s) times scale_1_s.
   void (*find_series)(const double* coefficients, int degree, double base_s, double scale_1_s,
-                      const InSlots& since_base_s, int from, int to, InSlots* states);
+                      const AtPoints& since_base_s, AtPoints* states);
   /// Position times sqrt(3 mu/r^5).
-  void (*find_pull)(const InSlots* position_m, double root_of_three_mu, int from, int to, InSlots* pull);
-  /// Adds the gravity gradients of so many point masses, three InSlots each.
-  void (*add_gravity_gradients)(const Reference&, const Places&, const InSlots* pulls, std::size_t masses,
-                                const InSlots* coefficients, int slots, InSlots* torque);
-  /// variation.md, "The equations of what differs".
-  void (*find_rates)(const Reference&, const Places&, const Felt&, const InSlots* coefficients, int slots,
-                     InSlots* rates);
+  void (*find_pull)(const AtPoints* position_m, double root_of_three_mu, AtPoints* pull);
+  /// Of so many point masses, three AtPoints of pulls each; at so many points.
+  void (*feel_gravity_gradients)(const Reference&, const Places&, const AtPoints* pulls, std::size_t masses,
+                                 const AtPoints* coefficients, int points, Felt&);
+  /// Their derivatives, half way from felt.angle.
+  void (*find_gradients)(const Reference&, const Places&, const AtPoints* pulls, std::size_t masses,
+                         const AtPoints* coefficients, Felt&);
+  /// variation.md, "The equations of what differs". Returns by how much of an angle, at most, the deviation is another
+  /// than where the torque was felt.
+  double (*find_rates)(const Reference&, const Places&, const Felt&, const AtPoints* coefficients, AtPoints* rates);
   /// Of the coefficients, from rates; and by how much the largest change of each is.
-  void (*integrate)(const Grid&, const InSlots* rates, double half_s, const InSlots* start, InSlots* coefficients,
+  void (*integrate)(const Grid&, const AtPoints* rates, double half_s, const double* start, AtPoints* coefficients,
                     double* changes);
-  /// to += by times the values times the rows of a matrix, in some slots, for several components.
-  void (*add_products)(const InSlots* values, int components, int rows, const InSlots* matrix, int from_slot,
-                       int to_slot, double by, InSlots* to);
-  void (*find_spectrum)(const Grid&, const InSlots* rates, Spectrum&);
-  /// The rotation vector of the deviation in one slot.
-  void (*angle)(const Reference&, const Places&, const InSlots* coefficients, int slot, double* rotation_vector);
+  /// to += by times the values times the rows of a matrix, for several components.
+  void (*add_products)(const AtPoints* rows, int count, const AtPoints* values, int components, double by,
+                       AtPoints* to);
+  void (*find_spectrum)(const Grid&, const AtPoints* values, int components, Spectrum&);
+  /// The rotation vector of the deviation at one point.
+  void (*angle)(const Reference&, const Places&, const AtPoints* coefficients, int point, double* rotation_vector);
 };
 
 /// For the instruction set of ThetaMotion::best_target().
