@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -27,6 +28,7 @@ constexpr double kSafetyOfVariation = 2.5;
 // By which every other run of variation starts aside: what grows from the rounding of the start shows in their
 // difference.
 constexpr double kAside = 2e-16;
+constexpr std::size_t kManyWindows = 50;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
 // double only, where it is not rounding that keeps two runs apart.
 constexpr double kLooserExtrapolation = 1e2, kLooserExtrapolationInDouble = 100.0;
@@ -148,9 +150,12 @@ class TorquedMotion::Builder {
     };
     for (std::size_t l = 0; l < coarse.size(); ++l) {
       if (const Variation* variation = coarse[l].variation.get()) {
+        constexpr std::array parts{0.13, 0.53, 1.0};
+        const bool many = variation->windows() > kManyWindows;  // which tell as much by one part each, in turn
         for (std::size_t i = 0; i < variation->windows(); ++i) {
-          for (const double part : {0.13, 0.53, 1.0}) {
-            const double t_s = variation->time_in_window_s(i, part);
+          for (std::size_t k = 0; k < parts.size(); ++k) {
+            if (many && k != i % parts.size()) continue;
+            const double t_s = variation->time_in_window_s(i, parts[k]);
             compare(extended(variation->at(t_s)), extended(fine[l].variation->at(t_s)));
           }
         }

@@ -22,7 +22,7 @@ using variation::kRegister;
 
 namespace {
 
-constexpr double kLongestEpoch_rad = 30.0;      // after which the derivatives lose digits
+constexpr double kLongestEpoch_rad = 20.0;      // after which the derivatives lose digits
 constexpr double kLargestDeviation_rad = 0.02;  // whose square goes into the polynomials
 constexpr double kLargestDerivative = 12.0;     // of which rounding is a part
 // How near a free motion may be to a rotation about a principal axis or to the separatrix, where its derivatives lose

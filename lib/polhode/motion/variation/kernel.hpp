@@ -143,7 +143,7 @@ inline Three<V> angle_of(const Reference& r, const Places& p, int i, Three<V> mu
   const V s = load<V>(p.since_base_s + i), sheared = all<V>(r.across_rad_s) * a2;
   const V shear = load<V>(p.shear_swing + i) + load<V>(p.shear + i);
   const Three<V> rest = multiply_add(V(dot(along, mu) * s), get<V>(p.omega, i), V(a0 - s * sheared) * along);
-  const Three<V> by_first = multiply_add(V(multiply_add(shear, a2, V(a1 / all<V>(r.across_rad_s)))), across, rest);
+  const Three<V> by_first = multiply_add(V(multiply_add(shear, a2, V(all<V>(1.0 / r.across_rad_s) * a1))), across, rest);
   return cross(along, multiply_add(V(load<V>(p.reciprocal_square + i) * sheared), across, mu)) + by_first;
 }
 
@@ -257,7 +257,7 @@ double find_rates(const Reference& r, const Places& p, const Felt& felt, const A
     const Three<V> rest = multiply_add(V(-dot(along, relative) * since_base_s), omega, n - cross(along, relative));
     put(torque, rates, i);
     const Three<V> across = get<V>(p.across, i);
-    const V first = all<V>(r.across_rad_s), a2 = dot(rest, cross(along, across)) / first;
+    const V first = all<V>(r.across_rad_s), a2 = all<V>(1.0 / r.across_rad_s) * dot(rest, cross(along, across));
     const V shear = load<V>(p.shear_swing + i) + load<V>(p.shear + i);
     store(rates[3] + i, multiply_add(V(first * since_base_s), a2, dot(rest, along)));
     store(rates[4] + i, V(first * multiply_add(dot(rest, across), load<V>(p.reciprocal_square + i), V(-(shear * a2)))));
