@@ -418,7 +418,8 @@ TEST(Variation, KernelsAgree) {
     window.feel();
     window.y[1][3] += 1e-3;
     window.kernel.find_gradients(window.reference, window.places, window.pulls, 2, window.y, window.felt);
-    window.kernel.find_rates(window.reference, window.places, window.felt, window.y, window.rates);
+    variation::AtPoints away_rad;
+    window.kernel.find_rates(window.reference, window.places, window.felt, window.y, window.rates, away_rad);
   };
   WindowOfKernel expected(*variation::kernels().front());
   run(expected);

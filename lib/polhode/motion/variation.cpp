@@ -39,12 +39,12 @@ constexpr int kMostRounds = 14, kMostFeels = 6;
 constexpr double kOrbitShare = 0.1;  // of a window's tolerance, by polynomials of orbits, relative
 constexpr double kPullShare = 3.0;   // the body's own motion misses as much again, and more
 constexpr double kUnknown = 1e300;
-constexpr double kStiffer = 10.0;     // the next window than the last
-constexpr double kAtEnd = 0.3;        // how small errors at the ends of windows are kept, so that those between count
-constexpr double kLeft = 0.1;         // of what iteration may leave, by rounds that ask for no torque
-constexpr double kInner = 0.1;        // likewise, of what feeling the torque again will move
-constexpr double kUsualAway = 0.075;  // how far a window's torque turns the body, of what it could
-constexpr double kRounding = 1e-16;   // of a momentum: iteration gets no nearer
+constexpr double kStiffer = 10.0;    // the next window than the last
+constexpr double kAtEnd = 0.3;       // how small errors at the ends of windows are kept, so that those between count
+constexpr double kLeft = 0.1;        // of what iteration may leave, by rounds that ask for no torque
+constexpr double kInner = 0.1;       // likewise, of what feeling the torque again will move
+constexpr double kUsualAway = 0.07;  // how far the torque turns the body, of what it could
+constexpr double kRounding = 1e-16;  // of a momentum: iteration gets no nearer
 constexpr double kMostEvaluationsPerRadian = 100.0;  // beyond which extrapolation is cheaper
 
 const Grid& the_grid() {
@@ -232,11 +232,7 @@ class Variation::Iteration {
   bool solve(const Coefficients& y, double shear, const Demand& demand) {
     start(y, shear);
     const bool knows_gradient = of_.others_.empty();
-    // By the largest that a gravity gradient's derivative can be: the part of the momentum that it changes in the
-    // window, per angle of the deviation, and what that counts.
-    const double steepness = steepest() * demand.length_s / epoch_->reference.magnitude;
-    const double slope = steepness * (demand.end_weight + demand.length_rad);
-    const auto third_order = [slope](double away_rad) { return slope * away_rad * away_rad * away_rad; };
+    const double weight = demand.end_weight + demand.length_rad, steepness = find_steepness(demand.length_rad) * weight;
     const auto round = [&] {
       const Coefficients changes = find_rates_and_integrate();
       moved_ = size(changes, demand.end_weight);
@@ -244,7 +240,7 @@ class Variation::Iteration {
       turned_rad_ += size(changes, demand.within_weight);
       ++rounds_;
     };
-    if (knows_gradient ? third_order(kUsualAway * steepness * demand.length_rad) > demand.left : felt_twice_) {
+    if (knows_gradient ? third_order(usual_away_rad_) * weight > demand.left : felt_twice_) {
       guess();
       round();
     }
@@ -263,15 +259,16 @@ class Variation::Iteration {
           knows_gradient ? kLeft * demand.left : std::max(kLeft * demand.left, kInner * felt_gain * moved_);
       for (int inner = 0; gain * moved_ > target; ++inner) {
         if (rounds_ >= kMostRounds || (inner > 1 && gain > 0.5)) return false;
-        if (knows_gradient && !has_gradient_ && slope * turned_rad_ > target) differentiate();
+        if (knows_gradient && !has_gradient_ && steepness * turned_rad_ > target) differentiate();
         const double before = moved_;
         round();
         gain = moved_ / before;
         if (inner == 0 && !felt_twice_) stiffness_ = gain / before;
       }
-      converged_ = (!knows_gradient ? felt_gain * since_felt_
-                    : has_gradient_ ? third_order(away_rad_)
-                                    : slope * away_rad_) <= demand.left;
+      const double left = !knows_gradient ? felt_gain * since_felt_
+                          : has_gradient_ ? third_order(away_rad_) * weight
+                                          : steepness * turned_rad_;
+      converged_ = left <= demand.left;
     }
     measure(demand);
     return converged_ && truncation_ <= 1.0;
@@ -367,20 +364,34 @@ class Variation::Iteration {
     kernel_.find_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, felt_);
   }
 
-  /// A bound of how the gravity gradients' torque goes with the deviation.
-  double steepest() const {
-    double largest = 0.0;
-    for (int i = 0; i < kPoints; ++i) {
-      double sum = 0.0;
-      for (std::size_t k = 0; k < 3 * of_.pulls_.size(); ++k) sum += pulls_[k][i] * pulls_[k][i];
-      largest = std::max(largest, sum);
+  /// By what part of the momentum, at most, the gravity gradients change in the window per angle of the deviation;
+  /// their part of the momentum at the points per time and angle; and how far they usually turn the body until there.
+  double find_steepness(double length_rad) {
+    const double spread = of_.moments_.maxCoeff() - of_.moments_.minCoeff();
+    std::memset(steepness_1_s, 0, sizeof steepness_1_s);
+    for (std::size_t k = 0; k < 3 * of_.pulls_.size(); ++k) {
+      for (int i = 0; i < kPoints; ++i) steepness_1_s[i] += pulls_[k][i] * pulls_[k][i];
     }
-    return largest * (of_.moments_.maxCoeff() - of_.moments_.minCoeff());
+    for (double& s : steepness_1_s) s *= spread / epoch_->reference.magnitude;
+    AtPoints grown[1] = {}, turned[1] = {};
+    kernel_.add_products(the_grid().integral, kPoints, &steepness_1_s, 1, std::abs(half_s_), grown);
+    kernel_.add_products(the_grid().integral, kPoints, grown, 1, kUsualAway * 0.5 * length_rad, turned);
+    std::copy(turned[0], turned[0] + kPoints, usual_away_rad_);
+    return grown[0][kLast];
+  }
+  /// A bound of the part of the momentum that is missed where the deviation is so far from where the torque was felt:
+  /// with the gradient half way, by the third order.
+  double third_order(const AtPoints& away_rad) const {
+    double sum = 0.0;
+    for (int i = 0; i < kPoints; ++i) {
+      sum += the_grid().integral[i][kLast] * steepness_1_s[i] * (away_rad[i] * away_rad[i] * away_rad[i]);
+    }
+    return std::abs(half_s_) * sum;
   }
 
   /// By how much the coefficients change.
   Coefficients find_rates_and_integrate() {
-    away_rad_ = kernel_.find_rates(epoch_->reference, places_, felt_, values_, rates_);
+    kernel_.find_rates(epoch_->reference, places_, felt_, values_, rates_, away_rad_);
     Coefficients changes;
     kernel_.integrate(the_grid(), rates_, half_s_, start_.data(), values_, changes.data());
     return changes;
@@ -419,7 +430,8 @@ class Variation::Iteration {
   AtPoints values_[kCoefficients], rates_[kCoefficients];
   bool has_gradient_ = false, is_felt_ = false, converged_ = false;
   int rounds_ = 0;
-  double moved_ = 0.0, since_felt_ = 0.0, turned_rad_ = 0.0, away_rad_ = 0.0, truncation_ = 0.0;
+  double moved_ = 0.0, since_felt_ = 0.0, turned_rad_ = 0.0, truncation_ = 0.0;
+  AtPoints away_rad_, steepness_1_s, usual_away_rad_;
   // Of windows before: how much less the second round moves than the first, per what that moved; how much less the
   // torque felt anew moves than when it was felt before; and whether it had to be.
   double stiffness_ = kUnknown, felt_gain_ = 1.0;

@@ -1,7 +1,5 @@
 // Included once by each target_*.cpp, which is compiled for its own instruction set.
 
-#include <cmath>
-
 #include "polhode/motion/theta/lanes.hpp"
 #include "polhode/motion/variation/window.hpp"
 
@@ -143,7 +141,8 @@ inline Three<V> angle_of(const Reference& r, const Places& p, int i, Three<V> mu
   const V s = load<V>(p.since_base_s + i), sheared = all<V>(r.across_rad_s) * a2;
   const V shear = load<V>(p.shear_swing + i) + load<V>(p.shear + i);
   const Three<V> rest = multiply_add(V(dot(along, mu) * s), get<V>(p.omega, i), V(a0 - s * sheared) * along);
-  const Three<V> by_first = multiply_add(V(multiply_add(shear, a2, V(all<V>(1.0 / r.across_rad_s) * a1))), across, rest);
+  const Three<V> by_first =
+      multiply_add(V(multiply_add(shear, a2, V(all<V>(1.0 / r.across_rad_s) * a1))), across, rest);
   return cross(along, multiply_add(V(load<V>(p.reciprocal_square + i) * sheared), across, mu)) + by_first;
 }
 
@@ -222,11 +221,11 @@ inline double largest_of(Lanes a) {
 }
 inline Lanes larger(Lanes a, Lanes b) { return -theta::smaller(-a, -b); }
 
-double find_rates(const Reference& r, const Places& p, const Felt& felt, const AtPoints* y, AtPoints* rates) {
+void find_rates(const Reference& r, const Places& p, const Felt& felt, const AtPoints* y, AtPoints* rates,
+                double* away_rad) {
   using V = Lanes;
   const V one = all<V>(1.0), half = all<V>(0.5), unit = all<V>(r.magnitude), reciprocal = all<V>(1.0 / r.magnitude);
   const Three<V> along = all_of<V>(r.along);
-  V largest{};
   for (int i = 0; i < kPoints; i += kLanes) {
     const Three<V> mu = relative_momentum<V>(r, y, i);  // all momenta in units of the free motion's
     const Three<V> theta = angle_of(r, p, i, mu, load<V>(y[3] + i), load<V>(y[4] + i), load<V>(y[5] + i));
@@ -247,7 +246,7 @@ double find_rates(const Reference& r, const Places& p, const Felt& felt, const A
     n = multiply_add(V(-less), rate, multiply_add(V(-s), turned_omega, n));
     n = multiply_add(c, multiply_add(c, turned_rate, twice + relaxation), n);
     const Three<V> moved = theta - get<V>(felt.angle, i);
-    largest = larger(largest, dot(moved, moved));
+    store(away_rad + i, square_root(dot(moved, moved)));
     Three<V> torque = get<V>(felt.torque, i);
     torque = multiply_add(moved.x, get<V>(felt.gradient, i), torque);
     torque = multiply_add(moved.y, get<V>(felt.gradient + 3, i), torque);
@@ -263,7 +262,6 @@ double find_rates(const Reference& r, const Places& p, const Felt& felt, const A
     store(rates[4] + i, V(first * multiply_add(dot(rest, across), load<V>(p.reciprocal_square + i), V(-(shear * a2)))));
     store(rates[5] + i, a2);
   }
-  return std::sqrt(largest_of(largest));
 }
 
 /// As many components as leave registers free.

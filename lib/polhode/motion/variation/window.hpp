@@ -80,9 +80,9 @@ struct Kernel {
   /// Their derivatives, half way from felt.angle.
   void (*find_gradients)(const Reference&, const Places&, const AtPoints* pulls, std::size_t masses,
                          const AtPoints* coefficients, Felt&);
-  /// variation.md, "The equations of what differs". Returns by how much of an angle, at most, the deviation is another
-  /// than where the torque was felt.
-  double (*find_rates)(const Reference&, const Places&, const Felt&, const AtPoints* coefficients, AtPoints* rates);
+  /// variation.md, "The equations of what differs"; and how far the deviation is from where the torque was felt.
+  void (*find_rates)(const Reference&, const Places&, const Felt&, const AtPoints* coefficients, AtPoints* rates,
+                     double* away_rad);
   /// Of the coefficients, from rates; and by how much the largest change of each is.
   void (*integrate)(const Grid&, const AtPoints* rates, double half_s, const double* start, AtPoints* coefficients,
                     double* changes);
