@@ -31,13 +31,14 @@ constexpr double kLargestDerivative = 12.0;     // of which rounding is a part
 constexpr double kNear = 1e-4, kTurnedAside_rad = 5e-3, kTooNear = 1e-7;
 constexpr double kShortestWindow_rad = 0.02;
 // Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
-constexpr double kLongestWindow_rad = 20.0, kFirstWindow_rad = 12.0;
+constexpr double kLongestWindow_rad = 20.0;
 // From one point to the next a body moves by no more than this part of its distance, times the same root: between two
 // points there is no encounter that neither knows of. In a window, by so many times its distance at the beginning.
 constexpr double kLongestWay = 3.0, kTimeScales = 5.0;
 constexpr int kMostRounds = 14, kMostFeels = 6;
 constexpr double kOrbitShare = 0.1;  // of a window's tolerance, by polynomials of orbits, relative
-constexpr double kPullShare = 3.0;   // the body's own motion misses as much again, and more
+constexpr double kSeen = 0.1;        // of what is missed, by what was foreseen
+constexpr double kPullShare = 6.0;   // what the points miss of an encounter is more than what is foreseen
 constexpr double kUnknown = 1e300;
 constexpr double kStiffer = 10.0;    // the next window than the last
 constexpr double kAtEnd = 0.3;       // how small errors at the ends of windows are kept, so that those between count
@@ -174,8 +175,8 @@ class Variation::Iteration {
   Iteration(Variation& of, variation::Orbits& orbits)
       : of_(of), kernel_(of.kernel_), orbits_of_(orbits), trajectories_(of.torques_.trajectories().size()) {}
 
-  /// A window from t, of the epoch: places on the orbits.
-  void begin(const Epoch& epoch, double t_s, double half_s) {
+  /// A window from t, of the epoch, with the shear there: places on the orbits and of the free motion.
+  void begin(const Epoch& epoch, double t_s, double half_s, double shear) {
     epoch_ = &epoch;
     half_s_ = half_s;
     for (int i = 0; i < kPoints; ++i) {
@@ -188,6 +189,9 @@ class Variation::Iteration {
       const Torques::Pull& pull = of_.pulls_[i];
       kernel_.find_pull(orbits_[pull.trajectory], std::sqrt(3.0 * pull.mu_m3_s2), pulls_ + 3 * i);
     }
+    of_.find_places(epoch, kPoints, places_);
+    std::fill(places_.shear, places_.shear + kPoints, shear);
+    kernel_.add_products(the_grid().integral, kPoints, &places_.shear_rate, 1, half_s_, &places_.shear);
   }
 
   /// The largest part of its distance that a body moves from one point of the guess to the next.
@@ -210,27 +214,37 @@ class Variation::Iteration {
     for (std::size_t l = 0; l < trajectories_; ++l) square = std::min(square, square_of_time_scale_s2(l, kLast));
     return std::sqrt(square);
   }
-  /// What the points miss of the gravity gradients because the pulls change: a guess at the last Legendre coefficient
-  /// of the torque. The body's own motion has its part besides.
-  double pull_tail() const {
-    double tail = 0.0;
-    variation::Spectrum spectrum;
-    for (std::size_t k = 0; k < of_.pulls_.size(); ++k) {
-      kernel_.find_spectrum(the_grid(), pulls_ + 3 * k, 3, spectrum);
-      double last = 0.0, largest = 0.0;
-      for (int c = 0; c < 3; ++c) {
+  /// What the points will miss of the gravity gradients, before the torque is felt: guesses at the last Legendre
+  /// coefficient, from those of the pulls and from those of the free motion's inertia tensor.
+  struct Foreseen {
+    double of_pulls, of_body;
+  };
+  Foreseen foresee() const {
+    const auto last_of = [this](const AtPoints* values, int components, double* largest) {
+      variation::Spectrum spectrum;
+      kernel_.find_spectrum(the_grid(), values, components, spectrum);
+      double last = *largest = 0.0;
+      for (int c = 0; c < components; ++c) {
         last = std::max({last, std::abs(spectrum.coefficients[2][c]), std::abs(spectrum.coefficients[3][c])});
-        largest = std::max(largest, spectrum.largest[c]);
+        *largest = std::max(*largest, spectrum.largest[c]);
       }
-      tail += last * largest;
+      return last;
+    };
+    Foreseen tail{};
+    double largest = 0.0;
+    const double inertia = last_of(places_.inertia, 6, &largest);
+    for (std::size_t k = 0; k < of_.pulls_.size(); ++k) {
+      const double pull = last_of(pulls_ + 3 * k, 3, &largest);
+      tail.of_pulls += kPullShare * spread_of_moments() * largest * pull;
+      tail.of_body += largest * largest * inertia;
     }
-    return tail * (of_.moments_.maxCoeff() - of_.moments_.minCoeff());
+    return tail;
   }
 
-  /// From these coefficients and the shear at the first point; whether those at the others were found, and the points
-  /// are dense enough.
-  bool solve(const Coefficients& y, double shear, const Demand& demand) {
-    start(y, shear);
+  /// From these coefficients at the first point; whether those at the others were found, and the points are dense
+  /// enough.
+  bool solve(const Coefficients& y, const Demand& demand) {
+    start(y);
     const bool knows_gradient = of_.others_.empty();
     const double weight = demand.end_weight + demand.length_rad, steepness = find_steepness(demand.length_rad) * weight;
     const auto round = [&] {
@@ -299,21 +313,20 @@ class Variation::Iteration {
            (v[3][i] * v[3][i] + v[4][i] * v[4][i] + v[5][i] * v[5][i]);
   }
 
+  double spread_of_moments() const { return of_.moments_.maxCoeff() - of_.moments_.minCoeff(); }
+
   template <class Six>
   double size(const Six& c, double weight) const {
     const double momentum = std::max({std::abs(c[0]), std::abs(c[1]), std::abs(c[2])});
     return std::max({std::abs(c[3]), std::abs(c[4]), std::abs(c[5])}) + momentum / epoch_->reference.magnitude * weight;
   }
 
-  void start(const Coefficients& y, double shear) {
+  void start(const Coefficients& y) {
     if (has_gradient_) std::memset(felt_.gradient, 0, sizeof felt_.gradient);
     has_gradient_ = is_felt_ = converged_ = false;
     rounds_ = 0;
     start_ = y;
     for (int k = 0; k < kCoefficients; ++k) std::fill(values_[k], values_[k] + kPoints, y[k]);
-    of_.find_places(*epoch_, kPoints, places_);
-    std::fill(places_.shear, places_.shear + kPoints, shear);
-    kernel_.add_products(the_grid().integral, kPoints, &places_.shear_rate, 1, half_s_, &places_.shear);
   }
 
   /// The torque at so many points.
@@ -367,12 +380,11 @@ class Variation::Iteration {
   /// By what part of the momentum, at most, the gravity gradients change in the window per angle of the deviation;
   /// their part of the momentum at the points per time and angle; and how far they usually turn the body until there.
   double find_steepness(double length_rad) {
-    const double spread = of_.moments_.maxCoeff() - of_.moments_.minCoeff();
     std::memset(steepness_1_s, 0, sizeof steepness_1_s);
     for (std::size_t k = 0; k < 3 * of_.pulls_.size(); ++k) {
       for (int i = 0; i < kPoints; ++i) steepness_1_s[i] += pulls_[k][i] * pulls_[k][i];
     }
-    for (double& s : steepness_1_s) s *= spread / epoch_->reference.magnitude;
+    for (double& s : steepness_1_s) s *= spread_of_moments() / epoch_->reference.magnitude;
     AtPoints grown[1] = {}, turned[1] = {};
     kernel_.add_products(the_grid().integral, kPoints, &steepness_1_s, 1, std::abs(half_s_), grown);
     kernel_.add_products(the_grid().integral, kPoints, grown, 1, kUsualAway * 0.5 * length_rad, turned);
@@ -457,7 +469,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
   const double tolerance_at_end = tolerance / (kAtEnd * weight_for(span_s));
   const double shorter = std::pow(std::min(tolerance, 1e-5), 1.0 / 40.0);
   double t = start_s, shear = epochs_.back().reference.shear_at_base;
-  double wanted_rad = shorter * kFirstWindow_rad, converging_rad = kLongestWindow_rad, after_encounter_rad = 0.0;
+  double wanted_rad = shorter * kLongestWindow_rad, converging_rad = kLongestWindow_rad, after_encounter_rad = 0.0;
   double time_scale_s = torques_.time_scale_s(start_s);
   variation::Orbits orbits(torques_.trajectories(), end_s, kernel_);
   Iteration iteration(*this, orbits);
@@ -490,18 +502,20 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
                                    .end_weight = end_weight};
 
     orbits.cover(t, to_s, kOrbitShare * demand.at_end);
-    iteration.begin(epoch, t, half_s);
+    iteration.begin(epoch, t, half_s, shear);
     const double way = iteration.longest_way() / (shorter * kLongestWay);
     // An encounter is seen before the torque is felt; when it is over windows are as long as before.
-    const double missed = kPullShare * std::abs(half_s) * iteration.pull_tail() / epoch.reference.magnitude *
-                          demand.within_weight / (2 * kDegree) / demand.within;
+    const Iteration::Foreseen tail = iteration.foresee();
+    const double by_tail =
+        std::abs(half_s) / epoch.reference.magnitude * demand.within_weight / (2 * kDegree) / tolerance;
+    const double by_pulls = by_tail * tail.of_pulls, missed = by_pulls + by_tail * tail.of_body;
     if (way > 1.0 || missed > 1.0) {
-      after_encounter_rad = std::max(after_encounter_rad, wanted_rad);
+      if (way > 1.0 || by_pulls > 0.5 * missed) after_encounter_rad = std::max(after_encounter_rad, wanted_rad);
       wanted_rad = length_rad * std::max(0.1, std::min(0.9 / way, 0.95 * std::pow(missed, -1.0 / 16.0)));
       continue;
     }
-    if (!iteration.solve(y, shear, demand)) {
-      after_encounter_rad = 0.0;
+    if (!iteration.solve(y, demand)) {
+      if (by_pulls < kSeen) after_encounter_rad = 0.0;
       const bool is_too_long = iteration.truncation() > 1.0;
       wanted_rad =
           length_rad * (is_too_long ? std::max(0.3, 0.9 * std::pow(iteration.truncation(), -1.0 / kDegree)) : 0.5);
