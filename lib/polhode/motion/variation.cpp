@@ -62,8 +62,8 @@ Vector3 less_mean(const Vector3& b, const Vector3& m) {
 }
 
 /// Twice the energy over the square of the momentum, whatever the length of either is by rounding.
-double mean_of_inverse_moments(const Vector3& momentum_body, const Vector3& moments) {
-  return momentum_body.dot(momentum_body.cwiseQuotient(moments)) / momentum_body.squaredNorm();
+long double mean_of_inverse_moments(const Vector3Of<long double>& momentum_body, const Vector3& moments) {
+  return momentum_body.dot(momentum_body.cwiseQuotient(moments.cast<long double>())) / momentum_body.squaredNorm();
 }
 
 /// From rotation about a principal axis and from the separatrix, whichever is nearer: a number up to 1.
@@ -77,9 +77,10 @@ double distance_of(const Vector3& inverse_moments, const Vector3& momentum_body)
 }
 
 /// Of the attitude that differs from a free motion's by a rotation vector 2 sin(angle/2).
-Quaternion deviation(const double* theta) {
-  const double s = 0.25 * (theta[0] * theta[0] + theta[1] * theta[1] + theta[2] * theta[2]);
-  return {std::sqrt(std::max(0.0, 1.0 - s)), 0.5 * theta[0], 0.5 * theta[1], 0.5 * theta[2]};
+template <class Real>
+Eigen::Quaternion<Real> deviation(const Vector3Of<Real>& theta) {
+  const Vector3Of<Real> half = Real(0.5) * theta;
+  return {std::sqrt(std::max(Real(0), 1 - half.squaredNorm())), half[0], half[1], half[2]};
 }
 
 }  // namespace
@@ -88,7 +89,8 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
     : base_s(t_s),
       momentum(momentum_inertial),
       omega(q * Vector3((q.conjugate() * momentum).cwiseQuotient(moments))),
-      mean_of_inverse_moments(polhode::mean_of_inverse_moments(q.conjugate() * momentum, moments)),
+      mean_of_inverse_moments(
+          polhode::mean_of_inverse_moments(q.cast<long double>().conjugate() * momentum.cast<long double>(), moments)),
       distance(distance_of(moments.cwiseInverse(), q.conjugate() * momentum)),
       free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step) {
   const Vector3 b = moments.cwiseInverse(), along = momentum.normalized(), m = q.conjugate() * along;
@@ -104,10 +106,11 @@ Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q,
   r.shear_at_base = -r.shear_by_swing * m.prod() / (r.across_rad_s * r.across_rad_s);
 }
 
-Variation::Coefficients Variation::begin_epoch(double t_s, const Quaternion& q, const Vector3& momentum_inertial) {
-  Coefficients y = Coefficients::Zero();
+Variation::Coefficients Variation::begin_epoch(double t_s, const Precise& state) {
+  const Vector3 momentum = state.momentum_inertial.cast<double>();
+  const Quaternion q = state.q_inertial_from_body.cast<double>().normalized();
   const auto distance = [&](const Quaternion& of) {
-    return distance_of(moments_.cwiseInverse(), of.conjugate() * momentum_inertial);
+    return distance_of(moments_.cwiseInverse(), of.conjugate() * momentum);
   };
   Quaternion reference = q;
   if (distance(q) < kNear) {
@@ -117,18 +120,17 @@ Variation::Coefficients Variation::begin_epoch(double t_s, const Quaternion& q, 
       if (distance(aside) > distance(reference)) reference = aside;
     }
   }
-  const bool is_aside = distance(reference) > distance(q);
-  epochs_.emplace_back(t_s, moments_, reference, momentum_inertial);
+  epochs_.emplace_back(t_s, moments_, reference, momentum);
   const Epoch& epoch = epochs_.back();
-  if (!is_aside || epoch.distance < kTooNear) return y;
-  // What leads back from the motion turned aside.
-  const Quaternion away = q * reference.conjugate();
-  const Vector3 theta = std::copysign(2.0, away.w()) * away.vec();
-  const Vector3 along = momentum_inertial.normalized();
+  // What leads back from the motion turned aside, or from the rounding.
+  const auto away = state.q_inertial_from_body * reference.cast<long double>().normalized().conjugate();
+  const Vector3 along = momentum.normalized();
+  const Vector3 moved = (state.momentum_inertial - momentum.cast<long double>()).cast<double>();
+  const Vector3 theta =
+      (std::copysign(2.0L, away.w()) * away.vec()).cast<double>() - along.cross(moved) / momentum.norm();
   const Vector3 first = (epoch.omega - epoch.omega.dot(along) * along).normalized();
-  y[3] = theta.dot(along);
-  y[4] = theta.dot(first);
-  y[5] = theta.dot(along.cross(first));
+  Coefficients y;
+  y << moved, theta.dot(along), theta.dot(first), theta.dot(along.cross(first));
   return y;
 }
 
@@ -141,25 +143,30 @@ void Variation::find_places(const Epoch& epoch, int points, variation::Places& p
 }
 
 FreeState Variation::state(const Epoch& epoch, const variation::Places& p, const AtPoints* values, int point) const {
-  double theta[3];
-  kernel_.angle(epoch.reference, p, values, point, theta);
+  Vector3 theta;
+  kernel_.angle(epoch.reference, p, values, point, theta.data());
   const Quaternion free(p.q[0][point], p.q[1][point], p.q[2][point], p.q[3][point]);
-  const Quaternion q = (deviation(theta) * free).normalized();
+  const Quaternion q = (deviation<double>(theta) * free).normalized();
   const Vector3 moved(values[0][point], values[1][point], values[2][point]);
   return {q, q.conjugate() * Vector3(epoch.momentum + moved)};
 }
 
-Quaternion Variation::end_of(const Epoch& epoch, const variation::Places& p, const AtPoints* values) const {
+Variation::Precise Variation::end_of(const Epoch& epoch, const variation::Places& p, const AtPoints* values) const {
   // The attitudes of a free motion are off by roundings that depend on its phase; those that are of the energy, a few
   // epochs of the same kind would add up, and energy is time.
-  const Quaternion free = Quaternion(p.q[0][kLast], p.q[1][kLast], p.q[2][kLast], p.q[3][kLast]).normalized();
-  const Vector3 m = free.conjugate() * epoch.momentum,
-                across(p.across[0][kLast], p.across[1][kLast], p.across[2][kLast]);
-  const double excess = mean_of_inverse_moments(m, moments_) - epoch.mean_of_inverse_moments;
+  using Three = Vector3Of<long double>;
+  const auto free =
+      Eigen::Quaternion<long double>(p.q[0][kLast], p.q[1][kLast], p.q[2][kLast], p.q[3][kLast]).normalized();
+  const Three momentum = epoch.momentum.cast<long double>(), m = free.conjugate() * momentum;
+  const Vector3 across(p.across[0][kLast], p.across[1][kLast], p.across[2][kLast]);
+  const auto excess = static_cast<double>(mean_of_inverse_moments(m, moments_) - epoch.mean_of_inverse_moments);
   const Vector3 back =
-      0.5 * excess * epoch.reference.magnitude * p.reciprocal_square[kLast] * epoch.momentum.normalized().cross(across);
-  const Quaternion turn(1.0, 0.5 * back[0], 0.5 * back[1], 0.5 * back[2]);
-  return (turn * state(epoch, p, values, kLast).q_inertial_from_body).normalized();
+      excess * epoch.reference.magnitude * p.reciprocal_square[kLast] * epoch.momentum.normalized().cross(across);
+  Vector3 theta;
+  kernel_.angle(epoch.reference, p, values, kLast, theta.data());
+  const Vector3 moved(values[0][kLast], values[1][kLast], values[2][kLast]);
+  const auto turn = deviation<long double>(0.5L * back.cast<long double>());
+  return {turn * deviation<long double>(theta.cast<long double>()) * free, momentum + moved.cast<long double>()};
 }
 
 /// Picard's iteration over one window.
@@ -251,43 +258,55 @@ class Variation::Iteration {
       const Coefficients changes = find_rates_and_integrate();
       moved_ = size(changes, demand.end_weight);
       since_felt_ += moved_;
-      turned_rad_ += size(changes, demand.within_weight);
+      const double turned_rad = size(changes, demand.within_weight);
+      turned_since_felt_rad_ += turned_rad, turned_since_gradient_rad_ += turned_rad;
       ++rounds_;
     };
     if (knows_gradient ? third_order(usual_away_rad_) * weight > demand.left : felt_twice_) {
       guess();
       round();
     }
+    const double rounding = kRounding * demand.end_weight;
     double gain = 1.0, felt_gain = std::min(1.0, kStiffer * felt_gain_), felt_before = 0.0;
     for (int feels = 1; feels <= kMostFeels && !converged_; ++feels) {
       feel(kPoints);
-      since_felt_ = turned_rad_ = 0.0;
+      since_felt_ = turned_since_felt_rad_ = 0.0;
+      bool gradient_is_of_before = has_gradient_;
       round();
+      const double first_move = moved_;
       measure(demand);
       if (truncation_ > 1.0) return false;
       felt_twice_ = feels > 1;
-      if (felt_twice_) felt_gain = felt_gain_ = std::min(1.0, moved_ / felt_before);
-      felt_before = moved_;
+      if (felt_twice_) felt_gain = felt_gain_ = std::min(1.0, first_move / felt_before);
+      felt_before = first_move;
       if (!felt_twice_) gain = std::min(1.0, kStiffer * stiffness_ * moved_);
+      // By what the torque may still be off.
+      const auto left = [&] {
+        if (!knows_gradient) return felt_gain * since_felt_;
+        if (!has_gradient_) return steepness * turned_since_felt_rad_;
+        return gradient_is_of_before ? steepness * turned_since_felt_rad_ * 2.0 * turned_since_gradient_rad_
+                                     : third_order(away_rad_) * weight;
+      };
       const double target =
           knows_gradient ? kLeft * demand.left : std::max(kLeft * demand.left, kInner * felt_gain * moved_);
-      for (int inner = 0; gain * moved_ > target; ++inner) {
+      for (int inner = 0; gain * moved_ > target && moved_ > rounding; ++inner) {
         if (rounds_ >= kMostRounds || (inner > 1 && gain > 0.5)) return false;
-        if (knows_gradient && !has_gradient_ && steepness * turned_rad_ > target) differentiate();
+        if (knows_gradient && left() > target && (!has_gradient_ || gradient_is_of_before)) {
+          differentiate();
+          gradient_is_of_before = false;
+        }
         const double before = moved_;
         round();
         gain = moved_ / before;
         if (inner == 0 && !felt_twice_) stiffness_ = gain / before;
       }
-      const double left = !knows_gradient ? felt_gain * since_felt_
-                          : has_gradient_ ? third_order(away_rad_) * weight
-                                          : steepness * turned_rad_;
-      converged_ = left <= demand.left;
+      converged_ = left() <= demand.left || first_move <= rounding;
     }
     measure(demand);
     return converged_ && truncation_ <= 1.0;
   }
   bool converged() const { return converged_; }
+  int rounds() const { return rounds_; }
   /// By the points being too few: of what is allowed.
   double truncation() const { return truncation_; }
 
@@ -374,6 +393,7 @@ class Variation::Iteration {
   void differentiate() {
     of_.gradients_ += kPoints;
     has_gradient_ = true;
+    turned_since_gradient_rad_ = 0.5 * turned_since_felt_rad_;
     kernel_.find_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, felt_);
   }
 
@@ -442,7 +462,8 @@ class Variation::Iteration {
   AtPoints values_[kCoefficients], rates_[kCoefficients];
   bool has_gradient_ = false, is_felt_ = false, converged_ = false;
   int rounds_ = 0;
-  double moved_ = 0.0, since_felt_ = 0.0, turned_rad_ = 0.0, truncation_ = 0.0;
+  double moved_ = 0.0, since_felt_ = 0.0, turned_since_felt_rad_ = 0.0, turned_since_gradient_rad_ = 0.0,
+         truncation_ = 0.0;
   AtPoints away_rad_, steepness_1_s, usual_away_rad_;
   // Of windows before: how much less the second round moves than the first, per what that moved; how much less the
   // torque felt anew moves than when it was felt before; and whether it had to be.
@@ -462,8 +483,9 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
   whole_ = start_s == end_s;
   if (whole_ || !(start.momentum_body.norm() > 0.0) || pulls_.size() > Torques::kMostTrajectories) return;
   const double span_s = std::abs(end_s - start_s);
-  Coefficients y =
-      begin_epoch(start_s, start_.q_inertial_from_body, start_.q_inertial_from_body * start_.momentum_body);
+  Coefficients y = begin_epoch(
+      start_s, {start.q_inertial_from_body.cast<long double>().normalized(),
+                start.q_inertial_from_body.cast<long double>().normalized() * start.momentum_body.cast<long double>()});
   // A momentum off by a part d turns the body d omega t away in the time that is left; but errors swing.
   const auto weight_for = [this](double time_s) { return std::sqrt(1.0 + epochs_.back().omega.norm() * time_s); };
   const double tolerance_at_end = tolerance / (kAtEnd * weight_for(span_s));
@@ -498,7 +520,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
                                    .within = tolerance,
                                    .within_weight = 1.0 + rate_rad_s * std::abs(to_s - epoch.base_s),
                                    .at_end = tolerance_at_end * std::sqrt(part),
-                                   .left = std::max(tolerance_at_end * part, kRounding * end_weight),
+                                   .left = tolerance_at_end * part,
                                    .end_weight = end_weight};
 
     orbits.cover(t, to_s, kOrbitShare * demand.at_end);
@@ -524,7 +546,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     }
     if (length_rad < 0.99 * wanted_rad) after_encounter_rad = std::max(after_encounter_rad, wanted_rad);
     const double longer = 0.93 * std::pow(std::max(iteration.truncation(), 1e-300), -1.0 / kDegree);
-    converging_rad *= 1.1;
+    converging_rad *= iteration.rounds() > kMostRounds / 2 ? 1.1 : 1.5;
     wanted_rad = std::min({std::max(length_rad * std::clamp(longer, 0.4, 3.0), after_encounter_rad),
                            shorter * kLongestWindow_rad, converging_rad});
     after_encounter_rad = 0.0;
@@ -539,7 +561,7 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
     shear = iteration.places().shear[kLast];
     if (iteration.deviation_rad() > kLargestDeviation_rad || iteration.derivative() > kLargestDerivative ||
         std::abs(t - epoch.base_s) * rate_rad_s > kLongestEpoch_rad) {
-      y = begin_epoch(t, end_of(epoch, iteration.places(), iteration.values()), epoch.momentum + y.head<3>());
+      y = begin_epoch(t, end_of(epoch, iteration.places(), iteration.values()));
       shear = epochs_.back().reference.shear_at_base;
     }
   }

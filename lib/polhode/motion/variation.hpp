@@ -59,10 +59,10 @@ class Variation {
   struct Epoch {
     Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
     double base_s;
-    Vector3 momentum;                ///< inertial
-    Vector3 omega;                   ///< rate at the base, inertial
-    double mean_of_inverse_moments;  ///< twice the energy over the square of the momentum
-    double distance;                 ///< from rotation about a principal axis and from the separatrix
+    Vector3 momentum;                     ///< inertial
+    Vector3 omega;                        ///< rate at the base, inertial
+    long double mean_of_inverse_moments;  ///< twice the energy over the square of the momentum
+    double distance;                      ///< from rotation about a principal axis and from the separatrix
     ThetaMotion free;
     variation::Reference reference;
   };
@@ -73,13 +73,19 @@ class Variation {
   };
   class Iteration;
 
+  /// Where one epoch ends and the next begins, in digits that roundings, hundreds of epochs long, do not reach.
+  struct Precise {
+    Eigen::Quaternion<long double> q_inertial_from_body;
+    Vector3Of<long double> momentum_inertial;
+  };
+
   /// Adds one; the coefficients of its base.
-  Coefficients begin_epoch(double t_s, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
+  Coefficients begin_epoch(double t_s, const Precise& state);
   /// But for the shear, for some of p.since_base_s.
   void find_places(const Epoch& epoch, int points, variation::Places& p) const;
   FreeState state(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values, int point) const;
   /// The attitude at the end of an epoch, less what the rounding of its free motion is in energy.
-  Quaternion end_of(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values) const;
+  Precise end_of(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values) const;
 
   Torques torques_, others_;  // others: without the gravity gradients
   std::vector<Torques::Pull> pulls_;
