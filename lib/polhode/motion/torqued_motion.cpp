@@ -194,14 +194,13 @@ class TorquedMotion::Builder {
       state.q_inertial_from_body = state.q_inertial_from_body * turn;
     }
     for (Leg& leg : path) {
-      const FreeState start = plain(state);
+      const ExtendedState start = state;
       const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
-      leg.variation = std::make_shared<const Variation>(
-          FreeBody{moments_, start.q_inertial_from_body, start.momentum_body}, from_s, to_s, leg.torques,
-          tolerance_rad_, options_.max_torque_evaluations - evaluations_);
+      leg.variation = std::make_shared<const Variation>(moments_, start, from_s, to_s, leg.torques, tolerance_rad_,
+                                                        options_.max_torque_evaluations - evaluations_);
       evaluations_ += leg.variation->torque_evaluations();
       state = extended(leg.variation->at(leg.variation->reached_s()));
-      leg.nodes = {{from_s, extended(start)}, {leg.variation->reached_s(), state}};
+      leg.nodes = {{from_s, start}, {leg.variation->reached_s(), state}};
       if (!leg.variation->whole()) return false;
     }
     return true;

@@ -29,6 +29,8 @@ constexpr double kLargestDerivative = 12.0;     // of which rounding is a part
 // digits: nearer than the first it is replaced by one turned aside; where that does not help, as for a sphere, the
 // method does not serve.
 constexpr double kNear = 1e-4, kTurnedAside_rad = 5e-3, kTooNear = 1e-7;
+constexpr double kLeastFromSeparatrix = 1e-10;
+constexpr double kPhaseInDoubles = 3e-15;  // of a free motion with plain double constants, and what grows from it
 constexpr double kShortestWindow_rad = 0.02;
 // Times the fortieth root of the tolerance, 0.6 at 1e-9: runs to two tolerances do not share their windows.
 constexpr double kLongestWindow_rad = 20.0;
@@ -66,14 +68,19 @@ long double mean_of_inverse_moments(const Vector3Of<long double>& momentum_body,
   return momentum_body.dot(momentum_body.cwiseQuotient(moments.cast<long double>())) / momentum_body.squaredNorm();
 }
 
+/// From the separatrix: 0 on it, infinite on the other principal axes.
+double from_separatrix(const Vector3& inverse_moments, const Vector3& momentum_body) {
+  const Vector3 d = less_mean(inverse_moments, momentum_body.normalized());
+  std::array<double, 3> ascending{d[0], d[1], d[2]};
+  std::sort(ascending.begin(), ascending.end());
+  return std::abs(ascending[1]) / std::sqrt(-ascending[0] * ascending[2]);
+}
+
 /// From rotation about a principal axis and from the separatrix, whichever is nearer: a number up to 1.
 double distance_of(const Vector3& inverse_moments, const Vector3& momentum_body) {
   const Vector3 m = momentum_body.normalized(), d = less_mean(inverse_moments, m);
   const double across = d.cwiseProduct(m).norm() / m.cwiseProduct(inverse_moments).norm();
-  std::array<double, 3> ascending{d[0], d[1], d[2]};
-  std::sort(ascending.begin(), ascending.end());
-  const double from_separatrix = std::abs(ascending[1]) / std::sqrt(-ascending[0] * ascending[2]);
-  return across > 0.0 ? std::min(across, from_separatrix) : 0.0;
+  return across > 0.0 ? std::min(across, from_separatrix(inverse_moments, momentum_body)) : 0.0;
 }
 
 /// Of the attitude that differs from a free motion's by a rotation vector 2 sin(angle/2).
@@ -85,14 +92,19 @@ Eigen::Quaternion<Real> deviation(const Vector3Of<Real>& theta) {
 
 }  // namespace
 
-Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial)
+Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
+                        ThetaMotion::Span span)
+    : Epoch(t_s, moments, q, momentum_inertial, span,
+            q.cast<long double>().normalized().conjugate() * momentum_inertial.cast<long double>()) {}
+
+Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
+                        ThetaMotion::Span span, const Vector3Of<long double>& momentum_body)
     : base_s(t_s),
       momentum(momentum_inertial),
-      omega(q * Vector3((q.conjugate() * momentum).cwiseQuotient(moments))),
-      mean_of_inverse_moments(
-          polhode::mean_of_inverse_moments(q.cast<long double>().conjugate() * momentum.cast<long double>(), moments)),
-      distance(distance_of(moments.cwiseInverse(), q.conjugate() * momentum)),
-      free({moments, q, q.conjugate() * momentum}, ThetaMotion::Span::step) {
+      omega(q * Vector3(momentum_body.cast<double>().cwiseQuotient(moments))),
+      mean_of_inverse_moments(polhode::mean_of_inverse_moments(momentum_body, moments)),
+      distance(distance_of(moments.cwiseInverse(), momentum_body.cast<double>())),
+      free({moments, q, momentum_body.cast<double>()}, span) {
   const Vector3 b = moments.cwiseInverse(), along = momentum.normalized(), m = q.conjugate() * along;
   const Vector3 d = less_mean(b, m);
   variation::Reference& r = reference;
@@ -120,8 +132,10 @@ Variation::Coefficients Variation::begin_epoch(double t_s, const Precise& state)
       if (distance(aside) > distance(reference)) reference = aside;
     }
   }
-  epochs_.emplace_back(t_s, moments_, reference, momentum);
-  const Epoch& epoch = epochs_.back();
+  epochs_.emplace_back(t_s, moments_, reference, momentum, free_span_);
+  Epoch& epoch = epochs_.back();
+  const double away_from_separatrix = from_separatrix(moments_.cwiseInverse(), q.conjugate() * momentum);
+  epoch.growth = 1.0 / std::sqrt(std::clamp(away_from_separatrix, kLeastFromSeparatrix, 1.0));
   // What leads back from the motion turned aside, or from the rounding.
   const auto away = state.q_inertial_from_body * reference.cast<long double>().normalized().conjugate();
   const Vector3 along = momentum.normalized();
@@ -473,19 +487,26 @@ class Variation::Iteration {
 
 Variation::Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
                      std::size_t max_torque_evaluations)
+    : Variation(start.principal_moments,
+                {start.q_inertial_from_body.cast<long double>(), start.momentum_body.cast<long double>()}, start_s,
+                end_s, torques, tolerance, max_torque_evaluations) {}
+
+Variation::Variation(const Vector3& principal_moments, const ExtendedState& start, double start_s, double end_s,
+                     const Torques& torques, double tolerance, std::size_t max_torque_evaluations)
     : torques_(torques),
       others_(torques.without_pulls()),
       pulls_(torques.pulls()),
       kernel_(variation::best_kernel()),
-      moments_(start.principal_moments),
+      moments_(principal_moments),
       start_s_(start_s),
-      start_{start.q_inertial_from_body.normalized(), start.momentum_body} {
+      start_{start.q_inertial_from_body.normalized().cast<double>(), start.momentum_body.cast<double>()} {
   whole_ = start_s == end_s;
-  if (whole_ || !(start.momentum_body.norm() > 0.0) || pulls_.size() > Torques::kMostTrajectories) return;
+  if (whole_ || !(start.momentum_body.norm() > 0.0L) || pulls_.size() > Torques::kMostTrajectories) return;
   const double span_s = std::abs(end_s - start_s);
-  Coefficients y = begin_epoch(
-      start_s, {start.q_inertial_from_body.cast<long double>().normalized(),
-                start.q_inertial_from_body.cast<long double>().normalized() * start.momentum_body.cast<long double>()});
+  const double span_rad = start_.momentum_body.cwiseQuotient(moments_).norm() * span_s;
+  if (tolerance < kPhaseInDoubles * (1.0 + span_rad)) free_span_ = ThetaMotion::Span::any;
+  const auto q = start.q_inertial_from_body.normalized();
+  Coefficients y = begin_epoch(start_s, {q, q * start.momentum_body});
   // A momentum off by a part d turns the body d omega t away in the time that is left; but errors swing.
   const auto weight_for = [this](double time_s) { return std::sqrt(1.0 + epochs_.back().omega.norm() * time_s); };
   const double tolerance_at_end = tolerance / (kAtEnd * weight_for(span_s));
@@ -519,8 +540,8 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
                                    .length_rad = length_rad,
                                    .within = tolerance,
                                    .within_weight = 1.0 + rate_rad_s * std::abs(to_s - epoch.base_s),
-                                   .at_end = tolerance_at_end * std::sqrt(part),
-                                   .left = tolerance_at_end * part,
+                                   .at_end = tolerance_at_end * std::sqrt(part) / epoch.growth,
+                                   .left = tolerance_at_end * part / epoch.growth,
                                    .end_weight = end_weight};
 
     orbits.cover(t, to_s, kOrbitShare * demand.at_end);

@@ -4,6 +4,7 @@
 #include <deque>
 #include <vector>
 
+#include "polhode/motion/extrapolation.hpp"
 #include "polhode/motion/motion.hpp"
 #include "polhode/motion/theta.hpp"
 #include "polhode/motion/variation/window.hpp"
@@ -32,6 +33,8 @@ class Variation {
   /// windows hardly add up. `torques` must not jump in between.
   Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
             std::size_t max_torque_evaluations);
+  Variation(const Vector3& principal_moments, const ExtendedState& start, double start_s, double end_s,
+            const Torques& torques, double tolerance, std::size_t max_torque_evaluations);
 
   /// Whether the end was reached: not if the torque is too large for this method to be worth while, the body is at
   /// rest or a sphere, or the limit of evaluations ended it.
@@ -57,11 +60,15 @@ class Variation {
 
   /// One free motion.
   struct Epoch {
-    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial);
+    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
+          ThetaMotion::Span span);
+    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
+          ThetaMotion::Span span, const Vector3Of<long double>& momentum_body);
     double base_s;
     Vector3 momentum;                     ///< inertial
     Vector3 omega;                        ///< rate at the base, inertial
     long double mean_of_inverse_moments;  ///< twice the energy over the square of the momentum
+    double growth = 1.0;                  ///< by about what errors may grow, besides in proportion to time
     double distance;                      ///< from rotation about a principal axis and from the separatrix
     ThetaMotion free;
     variation::Reference reference;
@@ -93,6 +100,7 @@ class Variation {
   Vector3 moments_;
   double start_s_;
   FreeState start_;
+  ThetaMotion::Span free_span_ = ThetaMotion::Span::step;
   std::deque<Epoch> epochs_;
   std::vector<Window> windows_;
   std::vector<double> values_;  // of all windows
