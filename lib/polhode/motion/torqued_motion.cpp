@@ -25,8 +25,7 @@ constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is ne
 constexpr double kLooserVariation = 0.5;
 constexpr double kFinerVariation = 1.0 / 16.0;
 constexpr double kSafetyOfVariation = 2.5;
-// By which every other run of variation starts aside: what grows from the rounding of the start shows in their
-// difference.
+// By which one of two runs starts aside, where digits are doubles.
 constexpr double kAside = 2e-16;
 constexpr std::size_t kManyWindows = 50;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
@@ -185,14 +184,17 @@ class TorquedMotion::Builder {
   std::size_t evaluations() const { return evaluations_; }
 
  private:
-  bool vary(Path& path) {
+  /// The start but for a rounding: what grows from it shows in the difference of two runs.
+  ExtendedState start_aside() const {
     ExtendedState state = start_;
-    if (aside_) {
-      state.momentum_body =
-          state.momentum_body.cwiseProduct(Vector3Of<long double>(1 + kAside, 1 - kAside, 1 + kAside));
-      const Eigen::Quaternion<long double> turn(1.0L, kAside, -kAside, kAside);
-      state.q_inertial_from_body = state.q_inertial_from_body * turn;
-    }
+    state.momentum_body = state.momentum_body.cwiseProduct(Vector3Of<long double>(1 + kAside, 1 - kAside, 1 + kAside));
+    const Eigen::Quaternion<long double> turn(1.0L, kAside, -kAside, kAside);
+    state.q_inertial_from_body = state.q_inertial_from_body * turn;
+    return state;
+  }
+
+  bool vary(Path& path) {
+    ExtendedState state = aside_ ? start_aside() : start_;
     for (Leg& leg : path) {
       const ExtendedState start = state;
       const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
@@ -243,7 +245,7 @@ class TorquedMotion::Builder {
   }
 
   bool choose_steps(Path& path) {
-    ExtendedState state = start_;
+    ExtendedState state = way_.scheme == nullptr && !way_.extended ? start_aside() : start_;
     const double end_s = path.back().nodes.back().t_s;
     for (Leg& leg : path) {
       const double leg_end_s = leg.nodes.back().t_s;
