@@ -24,7 +24,7 @@ constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is ne
 // Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
 constexpr double kLooserVariation = 0.5;
 constexpr double kFinerVariation = 1.0 / 16.0;
-constexpr double kSafetyOfVariation = 2.5;
+constexpr double kSafetyOfVariation = 5.0;
 // By which one of two runs starts aside, where digits are doubles.
 constexpr double kAside = 2e-16;
 constexpr std::size_t kManyWindows = 50;

@@ -92,24 +92,20 @@ Eigen::Quaternion<Real> deviation(const Vector3Of<Real>& theta) {
 
 }  // namespace
 
-Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
-                        ThetaMotion::Span span)
-    : Epoch(t_s, moments, q, momentum_inertial, span,
-            q.cast<long double>().normalized().conjugate() * momentum_inertial.cast<long double>()) {}
-
-Variation::Epoch::Epoch(double t_s, const Vector3& moments, const Quaternion& q, const Vector3& momentum_inertial,
-                        ThetaMotion::Span span, const Vector3Of<long double>& momentum_body)
+Variation::Epoch::Epoch(double t_s, const FreeBody& start, ThetaMotion::Span span)
     : base_s(t_s),
-      momentum(momentum_inertial),
-      omega(q * Vector3(momentum_body.cast<double>().cwiseQuotient(moments))),
-      mean_of_inverse_moments(polhode::mean_of_inverse_moments(momentum_body, moments)),
-      distance(distance_of(moments.cwiseInverse(), momentum_body.cast<double>())),
-      free({moments, q, momentum_body.cast<double>()}, span) {
-  const Vector3 b = moments.cwiseInverse(), along = momentum.normalized(), m = q.conjugate() * along;
+      momentum(start.q_inertial_from_body.cast<long double>().normalized() * start.momentum_body.cast<long double>()),
+      omega(start.q_inertial_from_body * Vector3(start.momentum_body.cwiseQuotient(start.principal_moments))),
+      mean_of_inverse_moments(
+          polhode::mean_of_inverse_moments(start.momentum_body.cast<long double>(), start.principal_moments)),
+      distance(distance_of(start.principal_moments.cwiseInverse(), start.momentum_body)),
+      free(start, span) {
+  const Vector3 &moments = start.principal_moments, b = moments.cwiseInverse();
+  const Vector3 along = momentum.cast<double>().normalized(), m = start.momentum_body.normalized();
   const Vector3 d = less_mean(b, m);
   variation::Reference& r = reference;
   for (int k = 0; k < 3; ++k) r.moments[k] = moments[k], r.inverse_moments[k] = b[k], r.along[k] = along[k];
-  r.magnitude = momentum.norm();
+  r.magnitude = start.momentum_body.norm();
   r.along_rad_s = omega.dot(along);
   r.across_rad_s = r.magnitude * d.cwiseProduct(m).norm();
   const double by = r.across_rad_s / (d[0] * d[1] * d[2]);
@@ -132,14 +128,14 @@ Variation::Coefficients Variation::begin_epoch(double t_s, const Precise& state)
       if (distance(aside) > distance(reference)) reference = aside;
     }
   }
-  epochs_.emplace_back(t_s, moments_, reference, momentum, free_span_);
+  epochs_.emplace_back(t_s, FreeBody{moments_, reference, reference.conjugate() * momentum}, free_span_);
   Epoch& epoch = epochs_.back();
   const double away_from_separatrix = from_separatrix(moments_.cwiseInverse(), q.conjugate() * momentum);
   epoch.growth = 1.0 / std::sqrt(std::clamp(away_from_separatrix, kLeastFromSeparatrix, 1.0));
-  // What leads back from the motion turned aside, or from the rounding.
+  // What leads back from the motion turned aside, or from the roundings.
   const auto away = state.q_inertial_from_body * reference.cast<long double>().normalized().conjugate();
   const Vector3 along = momentum.normalized();
-  const Vector3 moved = (state.momentum_inertial - momentum.cast<long double>()).cast<double>();
+  const Vector3 moved = (state.momentum_inertial - epoch.momentum).cast<double>();
   const Vector3 theta =
       (std::copysign(2.0L, away.w()) * away.vec()).cast<double>() - along.cross(moved) / momentum.norm();
   const Vector3 first = (epoch.omega - epoch.omega.dot(along) * along).normalized();
@@ -162,7 +158,7 @@ FreeState Variation::state(const Epoch& epoch, const variation::Places& p, const
   const Quaternion free(p.q[0][point], p.q[1][point], p.q[2][point], p.q[3][point]);
   const Quaternion q = (deviation<double>(theta) * free).normalized();
   const Vector3 moved(values[0][point], values[1][point], values[2][point]);
-  return {q, q.conjugate() * Vector3(epoch.momentum + moved)};
+  return {q, q.conjugate() * Vector3(epoch.momentum.cast<double>() + moved)};
 }
 
 Variation::Precise Variation::end_of(const Epoch& epoch, const variation::Places& p, const AtPoints* values) const {
@@ -171,16 +167,16 @@ Variation::Precise Variation::end_of(const Epoch& epoch, const variation::Places
   using Three = Vector3Of<long double>;
   const auto free =
       Eigen::Quaternion<long double>(p.q[0][kLast], p.q[1][kLast], p.q[2][kLast], p.q[3][kLast]).normalized();
-  const Three momentum = epoch.momentum.cast<long double>(), m = free.conjugate() * momentum;
+  const Three m = free.conjugate() * epoch.momentum;
   const Vector3 across(p.across[0][kLast], p.across[1][kLast], p.across[2][kLast]);
   const auto excess = static_cast<double>(mean_of_inverse_moments(m, moments_) - epoch.mean_of_inverse_moments);
-  const Vector3 back =
-      excess * epoch.reference.magnitude * p.reciprocal_square[kLast] * epoch.momentum.normalized().cross(across);
+  const Vector3 back = excess * epoch.reference.magnitude * p.reciprocal_square[kLast] *
+                       epoch.momentum.cast<double>().normalized().cross(across);
   Vector3 theta;
   kernel_.angle(epoch.reference, p, values, kLast, theta.data());
   const Vector3 moved(values[0][kLast], values[1][kLast], values[2][kLast]);
   const auto turn = deviation<long double>(0.5L * back.cast<long double>());
-  return {turn * deviation<long double>(theta.cast<long double>()) * free, momentum + moved.cast<long double>()};
+  return {turn * deviation<long double>(theta.cast<long double>()) * free, epoch.momentum + moved.cast<long double>()};
 }
 
 /// Picard's iteration over one window.

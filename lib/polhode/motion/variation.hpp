@@ -60,12 +60,9 @@ class Variation {
 
   /// One free motion.
   struct Epoch {
-    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
-          ThetaMotion::Span span);
-    Epoch(double t_s, const Vector3& moments, const Quaternion& q_inertial_from_body, const Vector3& momentum_inertial,
-          ThetaMotion::Span span, const Vector3Of<long double>& momentum_body);
+    Epoch(double t_s, const FreeBody& start, ThetaMotion::Span span);
     double base_s;
-    Vector3 momentum;                     ///< inertial
+    Vector3Of<long double> momentum;      ///< inertial
     Vector3 omega;                        ///< rate at the base, inertial
     long double mean_of_inverse_moments;  ///< twice the energy over the square of the momentum
     double growth = 1.0;                  ///< by about what errors may grow, besides in proportion to time
