@@ -182,6 +182,7 @@ class TorquedMotion::Builder {
   }
 
   std::size_t evaluations() const { return evaluations_; }
+  std::size_t gradients() const { return gradients_; }
 
  private:
   /// The start but for a rounding: what grows from it shows in the difference of two runs.
@@ -201,6 +202,7 @@ class TorquedMotion::Builder {
       leg.variation = std::make_shared<const Variation>(moments_, start, from_s, to_s, leg.torques, tolerance_rad_,
                                                         options_.max_torque_evaluations - evaluations_);
       evaluations_ += leg.variation->torque_evaluations();
+      gradients_ += leg.variation->gradients();
       state = extended(leg.variation->at(leg.variation->reached_s()));
       leg.nodes = {{from_s, start}, {leg.variation->reached_s(), state}};
       if (!leg.variation->whole()) return false;
@@ -314,7 +316,7 @@ class TorquedMotion::Builder {
   bool aside_ = false;
   ExtendedState start_;
   Path forward_, backward_;  // one leg per stretch between jumps, with its two ends as nodes
-  std::size_t evaluations_ = 0;
+  std::size_t evaluations_ = 0, gradients_ = 0;
 };
 
 TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options)
@@ -378,6 +380,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
       }
     }
     evaluations_ += builder.evaluations();
+    gradients_ += builder.gradients();
     const bool out_of_evaluations = evaluations_ >= options.max_torque_evaluations;
     if (outcome_ != Outcome::done) {
       if (!last && !out_of_evaluations) continue;

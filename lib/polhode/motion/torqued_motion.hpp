@@ -61,6 +61,7 @@ class TorquedMotion final : public FreeMotion {
   std::size_t steps() const;                                                 ///< kept
   std::size_t torque_evaluations() const { return evaluations_; }            ///< of all runs
   std::size_t kept_torque_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
+  std::size_t torque_gradients() const { return gradients_; }                ///< derivatives by the attitude, besides
 
  private:
   struct Node {
@@ -89,7 +90,7 @@ class TorquedMotion final : public FreeMotion {
   Outcome outcome_ = Outcome::done;
   std::string_view method_;
   double error_rad_ = 0.0;
-  std::size_t evaluations_ = 0, kept_evaluations_ = 0;
+  std::size_t evaluations_ = 0, kept_evaluations_ = 0, gradients_ = 0;
 };
 
 }  // namespace polhode

@@ -23,14 +23,15 @@ std::vector<const Kernel*> kernels();
 /// Over an epoch of a few turns the motion is described by what it differs from one free motion: a rotation vector
 /// and a momentum, both inertial. Without torque they obey linear equations but for terms of second order, whose six
 /// solutions are the derivatives of the exact motion by its constants. The coefficients of these six change by the
-/// torque and by the second order alone: slowly, so that over about a turn, a window, polynomials of degree 24 hold
-/// them. Picard's iteration on Chebyshev points finds the polynomials; a sweep costs one torque evaluation per point
-/// and gains a factor of the size of the torque. The polynomials answer at any time of the window.
+/// torque and by the second order alone: slowly, so that over about a turn, a window, polynomials through 24
+/// Gauss-Lobatto points hold them. Picard's iteration finds the polynomials; it takes the torque at all points once or
+/// twice, and what its derivative by the attitude makes of it in between. The polynomials answer at any time of the
+/// window.
 class Variation {
  public:
-  /// From `start` at start_s to end_s, either direction. `tolerance` is the wanted error of the six coefficients at the
-  /// end, in radians, or relative to the momentum; a window may take the root of its part of the span, since errors of
-  /// windows hardly add up. `torques` must not jump in between.
+  /// From `start` at start_s to end_s, either direction. `tolerance` is the wanted error in radians, between the points
+  /// and at the end alike; unless errors grow by more than time does, what comes out is a hundredth to a third of it.
+  /// `torques` must not jump in between.
   Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
             std::size_t max_torque_evaluations);
   Variation(const Vector3& principal_moments, const ExtendedState& start, double start_s, double end_s,
