@@ -36,7 +36,7 @@ constexpr double kShortestWindow_rad = 0.02;
 constexpr double kLongestWindow_rad = 20.0;
 // From one point to the next a body moves by no more than this part of its distance, times the same root: between two
 // points there is no encounter that neither knows of. In a window, by so many times its distance at the beginning.
-constexpr double kLongestWay = 3.0, kTimeScales = 5.0;
+constexpr double kLongestWay = 3.0, kTimeScales = 5.0, kTimeScalesNearing = 0.9;
 constexpr int kMostRounds = 14, kMostFeels = 6;
 constexpr double kOrbitShare = 0.1;  // of a window's tolerance, by polynomials of orbits, relative
 constexpr double kSeen = 0.1;        // of what is missed, by what was foreseen
@@ -81,6 +81,13 @@ double distance_of(const Vector3& inverse_moments, const Vector3& momentum_body)
   const Vector3 m = momentum_body.normalized(), d = less_mean(inverse_moments, m);
   const double across = d.cwiseProduct(m).norm() / m.cwiseProduct(inverse_moments).norm();
   return across > 0.0 ? std::min(across, from_separatrix(inverse_moments, momentum_body)) : 0.0;
+}
+
+/// How long a window may be that begins with a body there: a body that comes nearer is not yet passed at its end.
+double reach_s(const Vector3& position_m, const Vector3& velocity_m_s) {
+  const double distance_m = position_m.norm(), speed_m_s = velocity_m_s.norm();
+  const double nearing = std::min(0.0, position_m.dot(velocity_m_s) / (distance_m * speed_m_s));
+  return (kTimeScales + nearing * (kTimeScales - kTimeScalesNearing)) * distance_m / speed_m_s;
 }
 
 /// Of the attitude that differs from a free motion's by a rotation vector 2 sin(angle/2).
@@ -225,11 +232,15 @@ class Variation::Iteration {
     }
     return std::sqrt(square);
   }
-  /// The shortest time in which a body, at the end of the window, goes as far as it is away.
-  double time_scale_s() const {
-    double square = kUnknown;
-    for (std::size_t l = 0; l < trajectories_; ++l) square = std::min(square, square_of_time_scale_s2(l, kLast));
-    return std::sqrt(square);
+  /// How long the next window may be.
+  double reach_s() const {
+    double least_s = kUnknown;
+    for (std::size_t l = 0; l < trajectories_; ++l) {
+      const AtPoints* v = orbits_[l];
+      least_s = std::min(
+          least_s, polhode::reach_s({v[0][kLast], v[1][kLast], v[2][kLast]}, {v[3][kLast], v[4][kLast], v[5][kLast]}));
+    }
+    return least_s;
   }
   /// What the points will miss of the gravity gradients, before the torque is felt: guesses at the last Legendre
   /// coefficient, from those of the pulls and from those of the free motion's inertia tensor.
@@ -509,7 +520,11 @@ Variation::Variation(const Vector3& principal_moments, const ExtendedState& star
   const double shorter = std::pow(std::min(tolerance, 1e-5), 1.0 / 40.0);
   double t = start_s, shear = epochs_.back().reference.shear_at_base;
   double wanted_rad = shorter * kLongestWindow_rad, converging_rad = kLongestWindow_rad, after_encounter_rad = 0.0;
-  double time_scale_s = torques_.time_scale_s(start_s);
+  double longest_s = kUnknown;
+  for (const Trajectory& trajectory : torques_.trajectories()) {
+    const OrbitState<double> orbit = trajectory.state(start_s);
+    longest_s = std::min(longest_s, reach_s(orbit.position_m, orbit.velocity_m_s));
+  }
   variation::Orbits orbits(torques_.trajectories(), end_s, kernel_);
   Iteration iteration(*this, orbits);
   while (t != end_s) {
@@ -522,7 +537,7 @@ Variation::Variation(const Vector3& principal_moments, const ExtendedState& star
       return;
     }
     const double remaining_s = std::abs(end_s - t);
-    double length_s = std::min(wanted_rad / rate_rad_s, kTimeScales * time_scale_s);
+    double length_s = std::min(wanted_rad / rate_rad_s, longest_s);
     if (length_s > 0.999 * remaining_s) {
       length_s = remaining_s;
     } else if (length_s > 0.5 * remaining_s) {
@@ -573,7 +588,7 @@ Variation::Variation(const Vector3& principal_moments, const ExtendedState& star
       values_.insert(values_.end(), of, of + kPoints);
     }
     t = to_s;
-    time_scale_s = iteration.time_scale_s();
+    longest_s = iteration.reach_s();
     for (int k = 0; k < kCoefficients; ++k) y[k] = iteration.values()[k][kLast];
     shear = iteration.places().shear[kLast];
     if (iteration.deviation_rad() > kLargestDeviation_rad || iteration.derivative() > kLargestDerivative ||
