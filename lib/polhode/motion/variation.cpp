@@ -312,7 +312,7 @@ class Variation::Iteration {
           knows_gradient ? kLeft * demand.left : std::max(kLeft * demand.left, kInner * felt_gain * moved_);
       for (int inner = 0; gain * moved_ > target && moved_ > rounding; ++inner) {
         if (rounds_ >= kMostRounds || (inner > 1 && gain > 0.5)) return false;
-        if (knows_gradient && left() > target && (!has_gradient_ || gradient_is_of_before)) {
+        if (!knows_gradient ? !has_gradient_ : left() > target && (!has_gradient_ || gradient_is_of_before)) {
           differentiate();
           gradient_is_of_before = false;
         }
@@ -373,11 +373,7 @@ class Variation::Iteration {
   void feel(int points) {
     of_.evaluations_ += static_cast<std::size_t>(points - (is_felt_ ? 1 : 0));  // the values at the first stay
     is_felt_ = true;
-    if (of_.pulls_.empty()) {
-      std::memset(felt_.torque, 0, sizeof felt_.torque);
-    } else {
-      kernel_.feel_gravity_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, points, felt_);
-    }
+    kernel_.feel_gravity_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, points, felt_);
     if (!of_.others_.empty()) feel_others(points);
   }
 
@@ -395,7 +391,11 @@ class Variation::Iteration {
       const TorqueTerms<double> terms = of_.others_.at(around, rotation, of_.moments_);
       const Vector3 torque = rotation * terms.torque(omega);
       const Vector3 relaxation = rotation * (terms.relaxation * state.momentum_body.cross(omega));
-      for (int k = 0; k < 3; ++k) felt_.torque[k][i] += torque[k], felt_.relaxation[k][i] = relaxation[k];
+      for (int k = 0; k < 3; ++k) {
+        felt_.torque[k][i] += torque[k];
+        felt_.relaxation[k][i] = relaxation[k];
+        others_torque_[k][i] = torque[k];
+      }
     }
   }
 
@@ -412,10 +412,18 @@ class Variation::Iteration {
 
   /// From now on a round knows how the torque goes with the deviation.
   void differentiate() {
-    of_.gradients_ += kPoints;
+    if (!of_.pulls_.empty()) of_.gradients_ += kPoints;
     has_gradient_ = true;
     turned_since_gradient_rad_ = 0.5 * turned_since_felt_rad_;
     kernel_.find_gradients(epoch_->reference, places_, pulls_, of_.pulls_.size(), values_, felt_);
+    if (of_.others_.empty()) return;
+    // Most of what else there is turns with the body.
+    const AtPoints* t = others_torque_;
+    for (int i = 0; i < kPoints; ++i) {
+      felt_.gradient[1][i] -= t[2][i], felt_.gradient[2][i] += t[1][i];
+      felt_.gradient[3][i] += t[2][i], felt_.gradient[5][i] -= t[0][i];
+      felt_.gradient[6][i] -= t[1][i], felt_.gradient[7][i] += t[0][i];
+    }
   }
 
   /// By what part of the momentum, at most, the gravity gradients change in the window per angle of the deviation;
@@ -479,6 +487,7 @@ class Variation::Iteration {
   AtPoints orbits_[Torques::kMostTrajectories][6];  // positions and velocities, inertial
   AtPoints pulls_[3 * Torques::kMostTrajectories];
   variation::Felt felt_;
+  AtPoints others_torque_[3];
   Coefficients start_;
   AtPoints values_[kCoefficients], rates_[kCoefficients];
   bool has_gradient_ = false, is_felt_ = false, converged_ = false;
