@@ -429,13 +429,13 @@ class Variation::Iteration {
   /// By what part of the momentum, at most, the gravity gradients change in the window per angle of the deviation;
   /// their part of the momentum at the points per time and angle; and how far they usually turn the body until there.
   double find_steepness(double length_rad) {
-    std::memset(steepness_1_s, 0, sizeof steepness_1_s);
+    std::memset(steepness_1_s_, 0, sizeof steepness_1_s_);
     for (std::size_t k = 0; k < 3 * of_.pulls_.size(); ++k) {
-      for (int i = 0; i < kPoints; ++i) steepness_1_s[i] += pulls_[k][i] * pulls_[k][i];
+      for (int i = 0; i < kPoints; ++i) steepness_1_s_[i] += pulls_[k][i] * pulls_[k][i];
     }
-    for (double& s : steepness_1_s) s *= spread_of_moments() / epoch_->reference.magnitude;
+    for (double& s : steepness_1_s_) s *= spread_of_moments() / epoch_->reference.magnitude;
     AtPoints grown[1] = {}, turned[1] = {};
-    kernel_.add_products(the_grid().integral, kPoints, &steepness_1_s, 1, std::abs(half_s_), grown);
+    kernel_.add_products(the_grid().integral, kPoints, &steepness_1_s_, 1, std::abs(half_s_), grown);
     kernel_.add_products(the_grid().integral, kPoints, grown, 1, kUsualAway * 0.5 * length_rad, turned);
     std::copy(turned[0], turned[0] + kPoints, usual_away_rad_);
     return grown[0][kLast];
@@ -445,7 +445,7 @@ class Variation::Iteration {
   double third_order(const AtPoints& away_rad) const {
     double sum = 0.0;
     for (int i = 0; i < kPoints; ++i) {
-      sum += the_grid().integral[i][kLast] * steepness_1_s[i] * (away_rad[i] * away_rad[i] * away_rad[i]);
+      sum += the_grid().integral[i][kLast] * steepness_1_s_[i] * (away_rad[i] * away_rad[i] * away_rad[i]);
     }
     return std::abs(half_s_) * sum;
   }
@@ -494,7 +494,7 @@ class Variation::Iteration {
   int rounds_ = 0;
   double moved_ = 0.0, since_felt_ = 0.0, turned_since_felt_rad_ = 0.0, turned_since_gradient_rad_ = 0.0,
          truncation_ = 0.0;
-  AtPoints away_rad_, steepness_1_s, usual_away_rad_;
+  AtPoints away_rad_, steepness_1_s_, usual_away_rad_;
   // Of windows before: how much less the second round moves than the first, per what that moved; how much less the
   // torque felt anew moves than when it was felt before; and whether it had to be.
   double stiffness_ = kUnknown, felt_gain_ = 1.0;
