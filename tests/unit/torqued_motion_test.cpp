@@ -373,6 +373,16 @@ TEST(Variation, FeelsTheTorqueSeldom) {
   EXPECT_LT(distance(variation.at(span_s), reference(body, gravity(), span_s)), 1e-9);
 }
 
+// About an equatorial axis of a symmetric body, where the separatrix and the principal axes are one.
+TEST(Variation, StartsOnAnAxisOfASymmetricBody) {
+  const FreeBody body{{0.5, 1.0, 1.0}, Quaternion(0.3, 0.5, -0.2, 0.7).normalized(), {0.0, 0.0, 0.05}};
+  for (const double end_s : {2000.0, -2000.0}) {
+    const Variation variation(body, 0.0, end_s, gravity(), 1e-9, 1'000'000);
+    ASSERT_TRUE(variation.whole());
+    EXPECT_LT(distance(variation.at(end_s), reference(body, gravity(), end_s)), 1e-9);
+  }
+}
+
 TEST(Variation, AsksForOrbitsSeldom) {
   const FreeBody body = satellite({0.02, 0.01, 0.05});
   const double span_s = 2e4;

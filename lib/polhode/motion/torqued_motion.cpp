@@ -21,7 +21,8 @@ constexpr double kSafety = 5.0;           // two runs that differ by rounding te
 constexpr int kMostRefinements = 8;
 constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
-// Of variation: how local errors grow, measured over the torqued bodies in data/truth; the next run tells.
+// Of variation: the first run's tolerance, of what is asked for, and the next one's; measured over the torqued bodies
+// in data/truth.
 constexpr double kLooserVariation = 0.5;
 constexpr double kFinerVariation = 1.0 / 16.0;
 constexpr double kSafetyOfVariation = 5.0;

@@ -68,12 +68,15 @@ long double mean_of_inverse_moments(const Vector3Of<long double>& momentum_body,
   return momentum_body.dot(momentum_body.cwiseQuotient(moments.cast<long double>())) / momentum_body.squaredNorm();
 }
 
-/// From the separatrix: 0 on it, infinite on the other principal axes.
+/// From the separatrix: 0 on it, large on the other principal axes.
 double from_separatrix(const Vector3& inverse_moments, const Vector3& momentum_body) {
   const Vector3 d = less_mean(inverse_moments, momentum_body.normalized());
   std::array<double, 3> ascending{d[0], d[1], d[2]};
   std::sort(ascending.begin(), ascending.end());
-  return std::abs(ascending[1]) / std::sqrt(-ascending[0] * ascending[2]);
+  // On a principal axis of a symmetric body both are 0: there is no separatrix.
+  constexpr double least = 1e-30;
+  const double scale = inverse_moments.maxCoeff();
+  return (std::abs(ascending[1]) / scale + least) / (std::sqrt(-ascending[0] * ascending[2]) / scale + least);
 }
 
 /// From rotation about a principal axis and from the separatrix, whichever is nearer: a number up to 1.
@@ -83,10 +86,12 @@ double distance_of(const Vector3& inverse_moments, const Vector3& momentum_body)
   return across > 0.0 ? std::min(across, from_separatrix(inverse_moments, momentum_body)) : 0.0;
 }
 
-/// How long a window may be that begins with a body there: a body that comes nearer is not yet passed at its end.
-double reach_s(const Vector3& position_m, const Vector3& velocity_m_s) {
+/// How long a window may be that begins with a body there: a body that comes nearer, in the direction of the motion's
+/// time, is not yet passed at its end.
+double reach_s(const Vector3& position_m, const Vector3& velocity_m_s, double direction) {
   const double distance_m = position_m.norm(), speed_m_s = velocity_m_s.norm();
-  const double nearing = std::min(0.0, position_m.dot(velocity_m_s) / (distance_m * speed_m_s));
+  const double away = std::copysign(1.0, direction) * position_m.dot(velocity_m_s);
+  const double nearing = std::min(0.0, away / (distance_m * speed_m_s));
   return (kTimeScales + nearing * (kTimeScales - kTimeScalesNearing)) * distance_m / speed_m_s;
 }
 
@@ -237,8 +242,8 @@ class Variation::Iteration {
     double least_s = kUnknown;
     for (std::size_t l = 0; l < trajectories_; ++l) {
       const AtPoints* v = orbits_[l];
-      least_s = std::min(
-          least_s, polhode::reach_s({v[0][kLast], v[1][kLast], v[2][kLast]}, {v[3][kLast], v[4][kLast], v[5][kLast]}));
+      least_s = std::min(least_s, polhode::reach_s({v[0][kLast], v[1][kLast], v[2][kLast]},
+                                                   {v[3][kLast], v[4][kLast], v[5][kLast]}, half_s_));
     }
     return least_s;
   }
@@ -532,7 +537,7 @@ Variation::Variation(const Vector3& principal_moments, const ExtendedState& star
   double longest_s = kUnknown;
   for (const Trajectory& trajectory : torques_.trajectories()) {
     const OrbitState<double> orbit = trajectory.state(start_s);
-    longest_s = std::min(longest_s, reach_s(orbit.position_m, orbit.velocity_m_s));
+    longest_s = std::min(longest_s, reach_s(orbit.position_m, orbit.velocity_m_s, end_s - start_s));
   }
   variation::Orbits orbits(torques_.trajectories(), end_s, kernel_);
   Iteration iteration(*this, orbits);

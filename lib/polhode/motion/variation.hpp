@@ -44,9 +44,9 @@ class Variation {
   /// State at any time between the start and reached_s().
   FreeState at(double t_high_s, double t_low_s = 0.0) const;
 
-  /// Responses of the body, at so many points and sweeps together.
+  /// Torques felt, at all points of all windows, those in vain included.
   std::size_t torque_evaluations() const { return evaluations_; }
-  /// Derivatives of it by the attitude, likewise.
+  /// Derivatives of gravity gradients by the attitude, likewise.
   std::size_t gradients() const { return gradients_; }
   /// How often the places on the trajectories of the torques were asked for.
   std::size_t surroundings_found() const { return surroundings_; }
@@ -74,11 +74,12 @@ class Variation {
   struct Window {
     double first_s, length_s;  // signed length
     std::size_t epoch;
-    std::size_t values;  // the first of its own: the coefficients and the shear, each at the coarse points, then others
+    std::size_t values;  // the first of its own: the coefficients and the shear, each at all points
   };
   class Iteration;
 
-  /// Where one epoch ends and the next begins, in digits that roundings, hundreds of epochs long, do not reach.
+  /// Where one epoch ends and the next begins, in digits that roundings, hundreds of epochs long, do not reach; the
+  /// momentum inertial, as it stays.
   struct Precise {
     Eigen::Quaternion<long double> q_inertial_from_body;
     Vector3Of<long double> momentum_inertial;
@@ -89,7 +90,7 @@ class Variation {
   /// But for the shear, for some of p.since_base_s.
   void find_places(const Epoch& epoch, int points, variation::Places& p) const;
   FreeState state(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values, int point) const;
-  /// The attitude at the end of an epoch, less what the rounding of its free motion is in energy.
+  /// At the end of an epoch, less what the rounding of its free motion is in energy.
   Precise end_of(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values) const;
 
   Torques torques_, others_;  // others: without the gravity gradients

@@ -4,8 +4,8 @@
 
 namespace polhode::variation {
 
-/// Points of a window. In memory those come first that serve for a guess, about every third, both ends among them;
-/// either lot is whole registers of any instruction set, and in order of time.
+/// Points of a window. In memory those come first that serve for a guess, two of three, both ends among them; either
+/// lot is whole registers of any instruction set, and in order of time.
 inline constexpr int kPoints = 24, kGuess = 16, kDegree = kPoints - 1;
 inline constexpr int kRegister = 8, kLast = kGuess - 1;
 static_assert(kPoints % kRegister == 0 && kGuess % kRegister == 0);
