@@ -1,13 +1,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 #include <CLI/CLI.hpp>
-#include <csignal>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -28,18 +24,16 @@
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/read/time_list.hpp"
-#include "polhode/write/aem.hpp"
-#include "polhode/write/fits.hpp"
-#include "polhode/write/text_table.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"
+#include "write_ephemeris.hpp"
 
 namespace polhode::tools {
 namespace {
 
 struct PropagateOptions {
   std::string body_file;
-  std::string output;
+  OutputOptions output;
   std::vector<std::string> starts;
   std::vector<std::string> stops;
   std::string step;
@@ -49,91 +43,10 @@ struct PropagateOptions {
   std::string frame = "ICRF";
   std::string scale = "TDB";
   std::string method = "auto";
-  std::string adm = "2.0";
-  std::string attitude_type = "QUATERNION/ANGVEL";
-  std::string euler_sequence = "ZXZ";
-  bool momentum = false;
   bool full = false;     // of a scene
   bool history = false;  // of a message that has a body as well
   bool frame_given = false;
   bool scale_given = false;
-};
-
-enum class Format { fits, aem_kvn, aem_xml, csv, ecsv };
-
-Format format_of(const std::string& path) {
-  const auto ends = [&path](std::string_view ending) { return path.ends_with(ending); };
-  if (ends(".fits") || ends(".fits.gz") || ends(".fit") || ends(".fit.gz")) return Format::fits;
-  if (ends(".aem") || ends(".txt")) return Format::aem_kvn;
-  if (ends(".xml")) return Format::aem_xml;
-  if (ends(".csv")) return Format::csv;
-  if (ends(".ecsv")) return Format::ecsv;
-  throw InputError(
-      fmt::format("the ending of '{}' names no format; allowed are .fits, .fits.gz, .aem or .txt (CCSDS KVN), "
-                  ".xml (CCSDS XML), .csv, .ecsv",
-                  path));
-}
-
-// What Ctrl-C and a kill leave behind for the next look: the writers then remove what they have begun.
-volatile std::sig_atomic_t caught_signal = 0;
-
-struct Stopped {};
-
-/// Until it goes: SIGINT, SIGTERM and SIGHUP are noted instead of obeyed, once; a file beyond the size limit is an
-/// error like any other.
-class SignalWatch {
- public:
-  SignalWatch() {
-    struct sigaction note {};
-    note.sa_handler = [](int signal) { caught_signal = signal; };
-    note.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the program at once
-    for (const int signal : signals_) sigaction(signal, &note, nullptr);
-    std::signal(SIGXFSZ, SIG_IGN);
-  }
-  SignalWatch(const SignalWatch&) = delete;
-  SignalWatch& operator=(const SignalWatch&) = delete;
-  ~SignalWatch() {
-    for (const int signal : signals_) std::signal(signal, SIG_DFL);
-  }
-
- private:
-  static constexpr int signals_[] = {SIGINT, SIGTERM, SIGHUP};
-};
-
-/// Rate and time left, on a terminal, from one second on.
-class ProgressLine {
- public:
-  explicit ProgressLine(std::size_t rows) : rows_(rows), shown_(::isatty(STDERR_FILENO) != 0) {}
-  ProgressLine(const ProgressLine&) = delete;
-  ProgressLine& operator=(const ProgressLine&) = delete;
-  ~ProgressLine() {
-    if (printed_) std::fputs("\r\033[K", stderr);
-  }
-
-  void operator()(std::size_t done) {
-    if (caught_signal != 0) throw Stopped{};
-    if (!shown_) return;
-    using namespace std::chrono;
-    const auto now = steady_clock::now();
-    constexpr auto first_after = seconds(1);
-    constexpr auto then_every = milliseconds(200);
-    if (now - begin_ < first_after || now - last_ < then_every) return;
-    last_ = now;
-    printed_ = true;
-    const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - begin_).count();
-    const auto left = static_cast<long long>(static_cast<double>(rows_ - done) / rate);
-    const double part = 100.0 * static_cast<double>(done) / static_cast<double>(rows_);
-    fmt::print(stderr, "\r\033[Kpolhode: {:5.1f} %, {:.3g} rows/s, {}:{:02}:{:02} left", part, rate, left / 3600,
-               left / 60 % 60, left % 60);
-    std::fflush(stderr);
-  }
-
- private:
-  std::size_t rows_;
-  bool shown_;
-  bool printed_ = false;
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-  std::chrono::steady_clock::time_point last_ = begin_;
 };
 
 /// One grid per pair of --start and --stop, or one of the list.
@@ -186,56 +99,6 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
   return grids;
 }
 
-/// What the format's readers do between rows, as the file says it.
-struct Interpolation {
-  RowInterpolation kind;
-  std::string_view text;
-};
-
-Interpolation interpolation_of(Format format) {
-  if (format != Format::aem_kvn && format != Format::aem_xml) {
-    return {RowInterpolation::great_circle, "great circle from row to row"};
-  }
-  return {RowInterpolation::lagrange_degree_7, "LAGRANGE of degree 7 of the quaternion, made unit"};
-}
-
-void write(const PropagateOptions& options, Format format, const std::vector<Ephemeris>& segments) {
-  std::size_t rows = 0;
-  for (const Ephemeris& segment : segments) rows += segment.times().size();
-  ProgressLine line(rows);
-  const Progress progress = [&line](std::size_t done) { line(done); };
-  if (segments.size() > 1 && format != Format::aem_kvn && format != Format::aem_xml) {
-    throw InputError(
-        fmt::format("there are {} segments, which only an AEM (.aem, .xml) holds; give one --start and one "
-                    "--stop, of an attitude history within one of its segments",
-                    segments.size()));
-  }
-  switch (format) {
-    case Format::fits:
-      write_fits(options.output, segments.front(), {options.momentum, false}, progress);
-      return;
-    case Format::csv:
-    case Format::ecsv:
-      write_text_table(options.output, segments.front(), {format == Format::ecsv, options.momentum}, progress);
-      return;
-    case Format::aem_kvn:
-    case Format::aem_xml: {
-      AemOptions aem;
-      aem.xml = format == Format::aem_xml;
-      aem.version = adm_version(options.adm);
-      aem.type = aem_type(options.attitude_type);
-      aem.euler_sequence = EulerSequence(options.euler_sequence);
-      if (!options.tolerance.empty() &&
-          (aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
-           aem.type == AemType::euler_angle_angular_velocity)) {
-        throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
-      }
-      write_aem(options.output, segments, aem, progress);
-      return;
-    }
-  }
-}
-
 /// What the command line leaves open, from the scene.
 void complete(PropagateOptions& options, const Scene& scene) {
   if (options.frame_given && frame(options.frame) != scene.frame) {
@@ -255,26 +118,8 @@ void complete(PropagateOptions& options, const Scene& scene) {
   }
 }
 
-/// Writes all, unless a signal stops it.
-void write_watched(const PropagateOptions& options, Format format, const std::vector<Ephemeris>& segments) {
-  std::size_t rows = 0;
-  for (const Ephemeris& segment : segments) rows += segment.times().size();
-  {
-    const SignalWatch watch;
-    try {
-      write(options, format, segments);
-    } catch (const Stopped&) {
-      fmt::print(stderr, "polhode: stopped; {} is not written\n", options.output);
-    }
-  }
-  if (caught_signal != 0) {
-    std::raise(caught_signal);  // ends the program as whoever sent it expects
-  }
-  fmt::print(stderr, "polhode: {}: {} rows\n", options.output, rows);
-}
-
 /// The rows of an attitude history, or attitudes between them.
-void export_history(const PropagateOptions& options, Format format, AttitudeHistory history) {
+void export_history(const PropagateOptions& options, const EphemerisFormat& format, AttitudeHistory history) {
   if (!options.tolerance.empty()) {
     throw InputError("--tolerance is for bodies: an attitude history is as good as its rows; take --step or --count");
   }
@@ -309,7 +154,7 @@ void export_history(const PropagateOptions& options, Format format, AttitudeHist
     if (!options.stops.empty()) wanted.stop = date(options.stops[i], wanted.start.value_or(first));
     for (Ephemeris& segment : resample(history, wanted, scale, out_frame)) segments.push_back(std::move(segment));
   }
-  write_watched(options, format, segments);
+  write_watched(options.output, format, segments);
 }
 
 /// Whether to write the attitude history instead of the motion of a body: of a file that has one, and no complete body.
@@ -331,7 +176,7 @@ bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& fi
 }
 
 void propagate(PropagateOptions options) {
-  const Format format = format_of(options.output);
+  const EphemerisFormat& format = format_of(options.output.path);
   std::optional<Scene> scene;
   if (is_scene_file(options.body_file)) {
     scene = read_scene(options.body_file);
@@ -360,12 +205,11 @@ void propagate(PropagateOptions options) {
     motion->batch({high, low}, StateArrays::of_structures(q, m));
   };
   std::vector<Ephemeris> segments;
-  const Interpolation interpolation = interpolation_of(format);
   const auto rows_between = [&](Instant start, Instant stop) {
     double tolerance_rad = parse_angle_rad(options.tolerance);
     if (plan && tolerance_rad > plan->error_rad) tolerance_rad -= plan->error_rad;  // the rows' own error is not small
     return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high, tolerance_rad,
-                              interpolation.kind);
+                              format.interpolation);
   };
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
     EphemerisDescription description;
@@ -378,19 +222,19 @@ void propagate(PropagateOptions options) {
         plan ? plan->error_rad : free_motion_error_rad(chosen.make, free, first.high, last.high);
     if (!options.tolerance.empty()) {
       description.tolerance_rad = parse_angle_rad(options.tolerance);
-      description.interpolation = interpolation.text;
+      description.interpolation = format.interpolation_text;
       if (*description.tolerance_rad < (plan ? 1.0 : 2.0) * *description.promised_error_rad) {
         throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
                                      *description.tolerance_rad, *description.promised_error_rad));
       }
-      if (interpolation.kind == RowInterpolation::lagrange_degree_7) {
+      if (format.interpolation == RowInterpolation::lagrange_degree_7) {
         description.ccsds_interpolation = "LAGRANGE";
         description.ccsds_interpolation_degree = 7;
       }
     }
     segments.emplace_back(std::move(description), body, out_frame, std::move(grid), states);
   }
-  write_watched(options, format, segments);
+  write_watched(options.output, format, segments);
 }
 
 }  // namespace
@@ -401,7 +245,7 @@ void add_propagate(CLI::App& app) {
   command
       ->add_option("FILE", options->body_file, "Body file, scene file, or attitude history (AEM, ACM, FITS, CSV, ECSV)")
       ->required();
-  command->add_option("-o,--output", options->output, "Output; .fits, .fits.gz, .aem, .txt, .xml, .csv, .ecsv")
+  command->add_option("-o,--output", options->output.path, "Output; its ending says the format: " + all_endings())
       ->required();
   command
       ->add_option(
@@ -429,10 +273,11 @@ void add_propagate(CLI::App& app) {
       ->capture_default_str();
   add_leap_seconds(*command);
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
-  command->add_flag("--momentum", options->momentum, "Write the angular momentum too (FITS, CSV, ECSV)");
-  command->add_option("--adm", options->adm, "Version of the CCSDS message, 1.0 or 2.0")->capture_default_str();
-  command->add_option("--attitude-type", options->attitude_type, "ATTITUDE_TYPE of an AEM")->capture_default_str();
-  command->add_option("--euler-sequence", options->euler_sequence, "Axes of an AEM's Euler angles")
+  command->add_flag("--momentum", options->output.momentum, "Write the angular momentum too (FITS, CSV, ECSV)");
+  command->add_option("--adm", options->output.adm, "Version of the CCSDS message, 1.0 or 2.0")->capture_default_str();
+  command->add_option("--attitude-type", options->output.attitude_type, "ATTITUDE_TYPE of an AEM")
+      ->capture_default_str();
+  command->add_option("--euler-sequence", options->output.euler_sequence, "Axes of an AEM's Euler angles")
       ->capture_default_str();
   command->add_flag("--full", options->full, "Of a scene: keep every effect, at 1e-9 rad");
   command->add_flag("--history", options->history,
@@ -440,6 +285,7 @@ void add_propagate(CLI::App& app) {
   command->callback([options, command] {
     options->frame_given = command->get_option("--frame")->count() > 0;
     options->scale_given = command->get_option("--scale")->count() > 0;
+    options->output.promises_interpolation = !options->tolerance.empty();
     propagate(*options);
   });
 }

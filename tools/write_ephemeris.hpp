@@ -1,0 +1,43 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "polhode/ephemeris/ephemeris.hpp"
+#include "polhode/ephemeris/row_spacing.hpp"
+#include "polhode/write/stream.hpp"
+
+namespace polhode::tools {
+
+/// What `propagate` was told about its output, for every format.
+struct OutputOptions {
+  std::string path;
+  bool momentum = false;
+  std::string adm = "2.0";
+  std::string attitude_type = "QUATERNION/ANGVEL";
+  std::string euler_sequence = "ZXZ";
+  bool promises_interpolation = false;  // there is a --tolerance
+};
+
+/// What an ephemeris can be written as. Help and messages are made from these.
+struct EphemerisFormat {
+  std::string_view name;
+  std::vector<std::string_view> endings;
+  RowInterpolation interpolation;  ///< what the format's readers do between rows
+  std::string_view interpolation_text;
+  bool has_segments;  ///< it can hold more than one
+  void (*write)(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress);
+};
+
+/// The format that a path's ending names. Throws InputError if it names none.
+const EphemerisFormat& format_of(const std::string& path);
+
+/// ".fits, .fits.gz (FITS), …": all of them.
+std::string all_endings();
+
+/// Writes all, and says so; a signal that comes meanwhile removes what was begun and then ends the program.
+void write_watched(const OutputOptions& options, const EphemerisFormat& format, std::span<const Ephemeris> segments);
+
+}  // namespace polhode::tools
