@@ -55,7 +55,7 @@ def test_lagrange_through_aem_by_brahe(tmp_path, body, stop, days, tolerance):
         (("--tolerance", "0"), "positive"),
         (("--tolerance", "-1e-6"), "positive"),
         (("--tolerance", "1e-6 furlong"), "arcsec"),
-        (("--tolerance", "1e-16"), "no step keeps"),
+        (("--tolerance", "1e-16"), "cannot be kept"),
         (("--tolerance", "1e-6", "--step", "60"), "one of"),
     ],
 )

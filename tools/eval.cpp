@@ -22,6 +22,7 @@ struct EvalOptions {
   std::string method = "auto";
   double tolerance_rad = 1e-12;  // for propagation under torques and for integrators; the exact methods need none
   double step_s = 0.0;           // for integrators of fixed step; 0 is the method's choice
+  std::size_t most_evaluations = 10'000'000;  // of torques
 };
 
 std::unique_ptr<FreeMotion> make_free_motion(const Method& chosen, const FreeBody& body, const EvalOptions& options) {
@@ -38,9 +39,15 @@ std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const Ev
   if (options.step_s != 0.0)
     throw InputError("--step is for free motion; under torques --tolerance says how fine to be");
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
-  return std::make_unique<TorquedMotion>(
-      wanted.body, wanted.torques,
-      TorquedOptions{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last), options.method});
+  auto motion =
+      std::make_unique<TorquedMotion>(wanted.body, wanted.torques,
+                                      TorquedOptions{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last),
+                                                     options.method, options.most_evaluations});
+  if (motion->outcome() == Outcome::stopped) {
+    throw CheckFailed(fmt::format("stopped: {} s to {} s were reached after {} torque evaluations (method {})",
+                                  motion->first_s(), motion->last_s(), motion->torque_evaluations(), motion->method()));
+  }
+  return motion;
 }
 
 void eval(const EvalOptions& options) {
@@ -95,6 +102,8 @@ void add_eval(CLI::App& app) {
                    "Wanted attitude error in radians, under torques; tolerance of an adaptive integrator")
       ->capture_default_str();
   command->add_option("--step", options->step_s, "Step of a fixed-step integrator in seconds; 0: a hundredth of a turn")
+      ->capture_default_str();
+  command->add_option("--max-evaluations", options->most_evaluations, "Under torques: most torque evaluations to spend")
       ->capture_default_str();
   command->add_option("CASEFILE", options->case_file, "Body at t = 0 and times")->required();
   command->callback([options] { eval(*options); });

@@ -10,6 +10,7 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/body/invariants.hpp"
+#include "polhode/body/phase.hpp"
 #include "polhode/read/body.hpp"
 #include "subcommands.hpp"
 
@@ -98,6 +99,7 @@ Report report_on(const std::string& path) {
       body.warnings.push_back("rotation about the intermediate axis is unstable: the smallest disturbance flips it");
     }
   }
+  if (const auto caution = phase_warning(body)) body.warnings.push_back(*caution);
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "output.hpp"
+#include "polhode/body/phase.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -27,24 +28,20 @@ void print_plan(const PlanOptions& options) {
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch\naccuracy   {:.3g} rad\n",
                  scene.name, scene.first_s, scene.last_s, scene.accuracy_rad);
-  bool phase_is_lost = false;
-  if (scene.period_uncertainty) {
-    const double horizon_s = phase_horizon_s(body, *scene.period_uncertainty, scene.accuracy_rad);
-    phase_is_lost = horizon_s < std::max(scene.last_s, -scene.first_s);
-    fmt::format_to(out, "horizon    {:.4g} s: then periods uncertain by {:g} of themselves have lost the accuracy{}\n",
-                   horizon_s, *scene.period_uncertainty, phase_is_lost ? "; the span is longer" : "");
-  }
   fmt::format_to(out, "\n{:<26} {:>12} {:>12}  {:<8} {}\n", "effect", "periodic/rad", "secular/rad", "", "why");
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     const PlannedEffect& effect = plan.effects[i];
-    fmt::format_to(out, "{:<26} {:>12.2e} {:>12.2e}  {:<8} {}\n", scene.torque_names[i], effect.periodic_rad,
-                   effect.secular_rad, effect.kept ? "kept" : "dropped", effect.why);
+    const auto angle = [](const std::optional<double>& rad) { return rad ? fmt::format("{:.2e}", *rad) : "-"; };
+    fmt::format_to(out, "{:<26} {:>12} {:>12}  {:<8} {}\n", scene.torque_names[i], angle(effect.periodic_rad),
+                   angle(effect.secular_rad), effect.kept ? "kept" : "dropped", effect.why);
   }
-  fmt::format_to(out, "\nmodel      {} ({})\nerror      {:.2e} rad, of which dropped effects {:.2e}\n", plan.model,
-                 plan.why, plan.error_rad, plan.dropped_rad);
-  fmt::format_to(out, "cost       {:.3g} torque evaluations\n", plan.torque_evaluations);
-  if (phase_is_lost)
-    fmt::format_to(out, "beyond the horizon the phase of the rotation is not known, whatever is modelled\n");
+  fmt::format_to(out, "\nmodel      {} ({})\nerror      at most {:.2e} rad, of which dropped effects {:.2e}\n",
+                 plan.model, plan.why, plan.error_rad, plan.dropped_rad);
+  fmt::format_to(out, "cost       {} ({})\n",
+                 plan.torque_evaluations ? fmt::format("about {:.2g} torque evaluations", *plan.torque_evaluations)
+                                         : "cannot be told before it runs",
+                 plan.cost_why);
+  if (const auto caution = phase_warning(scene.body)) fmt::format_to(out, "caution    {}\n", *caution);
   write_standard_output({text.data(), text.size()});
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/body/phase.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
 #include "polhode/ephemeris/resample.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
@@ -43,8 +44,9 @@ struct PropagateOptions {
   std::string frame = "ICRF";
   std::string scale = "TDB";
   std::string method = "auto";
-  bool full = false;     // of a scene
-  bool history = false;  // of a message that has a body as well
+  bool full = false;                            // of a scene
+  std::optional<std::size_t> most_evaluations;  // of torques
+  bool history = false;                         // of a message that has a body as well
   bool frame_given = false;
   bool scale_given = false;
 };
@@ -175,6 +177,36 @@ bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& fi
   return true;
 }
 
+PrincipalMotion states_of(std::shared_ptr<const FreeMotion> motion) {
+  return [motion = std::move(motion)](std::span<const double> high, std::span<const double> low, double* q, double* m) {
+    motion->batch({high, low}, StateArrays::of_structures(q, m));
+  };
+}
+
+/// What the rows of an inexact method are worth, by comparison with the exact motion.
+void measure_error(const FreeBody& free, const Body& body, Frame out_frame, Ephemeris& rows) {
+  const Method& exact = method("auto");
+  const TimeGrid& times = rows.times();
+  const auto elapsed_s = [&](std::size_t row) { return (times.instant(times.time(row, {})) - body.state->epoch).high; };
+  const MotionAccount account = free_motion_account(exact, free, elapsed_s(0), elapsed_s(times.size() - 1));
+  if (!account.max_error_rad) return;
+  const Ephemeris exact_rows({}, body, out_frame, times, states_of(exact.make(free)));
+  rows.description().promised_error_rad = largest_difference_rad(rows, exact_rows) + *account.max_error_rad;
+  rows.description().error_meaning =
+      fmt::format("measured: the largest difference from {} at these rows; the numbers of the body are taken as exact",
+                  account.method);
+}
+
+/// What ran, what it cost and what it promises.
+void print_account(const EphemerisDescription& rows) {
+  std::string text = fmt::format("method {}", rows.method);
+  if (rows.torque_evaluations) text += fmt::format(", {} torque evaluations", *rows.torque_evaluations);
+  if (rows.promised_error_rad) text += fmt::format("; rows good to {:.1e} rad", *rows.promised_error_rad);
+  if (!rows.error_meaning.empty()) text += fmt::format(" ({})", rows.error_meaning);
+  fmt::print(stderr, "polhode: {}\n", text);
+  for (const std::string& caution : rows.cautions) fmt::print(stderr, "polhode: caution: {}\n", caution);
+}
+
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output.path);
   std::optional<Scene> scene;
@@ -193,48 +225,57 @@ void propagate(PropagateOptions options) {
   const TimeScale scale = time_scale(options.scale);
   const FreeBody free = free_body(body, out_frame);
   const Method& chosen = method(options.method);
-  std::shared_ptr<const FreeMotion> motion;
-  std::optional<Plan> plan;
+  PlannedMotion planned;  // of a scene
   if (scene) {
-    plan = plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
-    motion = planned_motion(*plan, free, scene->first_s, scene->last_s).motion;
+    const Plan plan =
+        plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
+    planned = planned_motion(
+        plan, free, scene->first_s, scene->last_s,
+        options.most_evaluations.value_or(options.full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
   } else {
-    motion = chosen.make(free);
+    planned.motion = chosen.make(free);
   }
-  const auto states = [motion](std::span<const double> high, std::span<const double> low, double* q, double* m) {
-    motion->batch({high, low}, StateArrays::of_structures(q, m));
+  const auto account_between = [&](Instant start, Instant stop) {
+    if (scene) return planned.account;
+    return free_motion_account(chosen, free, (start - body.state->epoch).high, (stop - body.state->epoch).high);
   };
-  std::vector<Ephemeris> segments;
+  const PrincipalMotion states = states_of(std::move(planned.motion));
   const auto rows_between = [&](Instant start, Instant stop) {
-    double tolerance_rad = parse_angle_rad(options.tolerance);
-    if (plan && tolerance_rad > plan->error_rad) tolerance_rad -= plan->error_rad;  // the rows' own error is not small
-    return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high, tolerance_rad,
-                              format.interpolation);
+    const MotionAccount account = account_between(start, stop);
+    if (!account.max_error_rad) {
+      throw InputError(fmt::format("--tolerance needs a promised error of the rows, which {} does not give ({})",
+                                   account.method, account.error_meaning));
+    }
+    return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high,
+                              parse_angle_rad(options.tolerance), *account.max_error_rad, format.interpolation);
   };
+  const std::optional<std::string> caution = phase_warning(body);
+  std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
+    const Instant first = grid.instant(grid.time(0, {}));
+    const Instant last = grid.instant(grid.time(grid.size() - 1, {}));
+    const MotionAccount account = account_between(first, last);
     EphemerisDescription description;
     description.object = body.name;
     description.source = body.source;
-    description.method = plan ? plan->model : std::string(chosen.name);
-    const Seconds first = grid.instant(grid.time(0, {})) - body.state->epoch;
-    const Seconds last = grid.instant(grid.time(grid.size() - 1, {})) - body.state->epoch;
-    description.promised_error_rad =
-        plan ? plan->error_rad : free_motion_error_rad(chosen.make, free, first.high, last.high);
+    description.method = account.method;
+    description.promised_error_rad = account.max_error_rad;
+    description.error_meaning = account.error_meaning;
+    if (scene) description.torque_evaluations = account.torque_evaluations;
+    if (caution) description.cautions.push_back(*caution);
     if (!options.tolerance.empty()) {
       description.tolerance_rad = parse_angle_rad(options.tolerance);
       description.interpolation = format.interpolation_text;
-      if (*description.tolerance_rad < (plan ? 1.0 : 2.0) * *description.promised_error_rad) {
-        throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
-                                     *description.tolerance_rad, *description.promised_error_rad));
-      }
       if (format.interpolation == RowInterpolation::lagrange_degree_7) {
         description.ccsds_interpolation = "LAGRANGE";
         description.ccsds_interpolation_degree = 7;
       }
     }
     segments.emplace_back(std::move(description), body, out_frame, std::move(grid), states);
+    if (!scene && !chosen.exact_everywhere) measure_error(free, body, out_frame, segments.back());
   }
   write_watched(options.output, format, segments);
+  for (const Ephemeris& segment : segments) print_account(segment.description());
 }
 
 }  // namespace
@@ -280,6 +321,9 @@ void add_propagate(CLI::App& app) {
   command->add_option("--euler-sequence", options->output.euler_sequence, "Axes of an AEM's Euler angles")
       ->capture_default_str();
   command->add_flag("--full", options->full, "Of a scene: keep every effect, at 1e-9 rad");
+  command->add_option("--max-evaluations", options->most_evaluations,
+                      fmt::format("Of a scene: most torque evaluations to spend, {} or with --full {} unless said",
+                                  kMostTorqueEvaluations, kMostTorqueEvaluationsInFull));
   command->add_flag("--history", options->history,
                     "Of a message with inertia and attitude history: write the history, not the motion");
   command->callback([options, command] {

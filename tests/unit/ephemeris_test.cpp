@@ -296,15 +296,15 @@ TEST(Text, RatesWithoutAValueAreRefused) {
 TEST(RowSpacing, TakesNoMoreRowsThanNeeded) {
   constexpr double span_s = 1000.0;
   const double turn_rad = spin_rad_s * span_s;
-  EXPECT_EQ(rows_for_tolerance(spin, 0.0, span_s, 1e-9, RowInterpolation::great_circle),
+  EXPECT_EQ(rows_for_tolerance(spin, 0.0, span_s, 1e-9, 0.0, RowInterpolation::great_circle),
             std::ceil(1.1 * turn_rad * (1 + 1e-9)) + 1);
-  const std::size_t coarse = rows_for_tolerance(spin, 0.0, span_s, 1e-4, RowInterpolation::lagrange_degree_7);
-  const std::size_t fine = rows_for_tolerance(spin, 0.0, span_s, 1e-8, RowInterpolation::lagrange_degree_7);
+  const std::size_t coarse = rows_for_tolerance(spin, 0.0, span_s, 1e-4, 0.0, RowInterpolation::lagrange_degree_7);
+  const std::size_t fine = rows_for_tolerance(spin, 0.0, span_s, 1e-8, 0.0, RowInterpolation::lagrange_degree_7);
   EXPECT_GT(fine, 2 * coarse);
   EXPECT_LT(fine, 6 * coarse);  // order 8: 1e4 in accuracy is a factor 3.2
-  EXPECT_EQ(rows_for_tolerance(spin, 5.0, 5.0, 1e-9, RowInterpolation::great_circle), 1U);
-  EXPECT_THROW(rows_for_tolerance(spin, 0.0, span_s, 0.0, RowInterpolation::great_circle), InputError);
-  EXPECT_THROW(rows_for_tolerance(spin, span_s, 0.0, 1e-9, RowInterpolation::great_circle), InputError);
+  EXPECT_EQ(rows_for_tolerance(spin, 5.0, 5.0, 1e-9, 0.0, RowInterpolation::great_circle), 1U);
+  EXPECT_THROW(rows_for_tolerance(spin, 0.0, span_s, 0.0, 0.0, RowInterpolation::great_circle), InputError);
+  EXPECT_THROW(rows_for_tolerance(spin, span_s, 0.0, 1e-9, 0.0, RowInterpolation::great_circle), InputError);
 }
 
 TEST(OutputFile, AppearsWholeOrNotAtAll) {

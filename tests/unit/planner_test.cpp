@@ -48,10 +48,16 @@ TEST(Planner, EverySceneStaysWithinItsAccuracyOfTheFullModel) {
     for (int i = 0; i <= 20; ++i) worst = std::max(worst, turned_rad(*cheap.motion, *all.motion, last_s * i / 20.0));
     EXPECT_LE(worst, plan.error_rad) << scene.name;
     // Where all is kept and the accuracy is high, the two differ by luck only.
-    EXPECT_LE(static_cast<double>(cheap.torque_evaluations), 1.2 * static_cast<double>(all.torque_evaluations))
+    EXPECT_LE(static_cast<double>(cheap.account.torque_evaluations),
+              1.2 * static_cast<double>(all.account.torque_evaluations))
         << scene.name;
     std::printf("%-62s off %.1e of %.1e rad, %zu of %zu torque evaluations\n", scene.name.c_str(), worst,
-                scene.accuracy_rad, cheap.torque_evaluations, all.torque_evaluations);
+                scene.accuracy_rad, cheap.account.torque_evaluations, all.account.torque_evaluations);
+    EXPECT_LE(worst, *cheap.account.max_error_rad + *all.account.max_error_rad) << scene.name;
+    if (plan.torque_evaluations && *plan.torque_evaluations > 0.0) {
+      const double ratio = static_cast<double>(cheap.account.torque_evaluations) / *plan.torque_evaluations;
+      EXPECT_TRUE(ratio > 0.5 && ratio < 2.0) << scene.name << ": " << ratio << " of " << *plan.torque_evaluations;
+    }
   }
   EXPECT_GE(scenes, 6);
 }
@@ -85,16 +91,20 @@ TEST(Planner, AMonthOfEnvisatAtOneDegreeTakesAHandfulOfKicksPerTurn) {
         std::max(worst, rotation_angle_rad(planned.motion->at(t).q_inertial_from_body, exact[i].q_inertial_from_body));
   }
   EXPECT_LE(worst, plan.error_rad);
-  EXPECT_LE(planned.error_rad, plan.tolerance_rad);
+  EXPECT_EQ(planned.account.method, "splitting, few kicks per turn");
+  EXPECT_LE(*planned.account.max_error_rad, plan.error_rad);
+  EXPECT_LE(worst, *planned.account.max_error_rad);
   const double turns = scene.last_s * body.momentum_body.cwiseQuotient(body.principal_moments).norm() / 6.2832;
-  const double per_turn = static_cast<double>(planned.torque_evaluations) / turns;
+  const double per_turn = static_cast<double>(planned.account.torque_evaluations) / turns;
   EXPECT_LT(per_turn, 13.0);
-  EXPECT_NEAR(plan.torque_evaluations, static_cast<double>(planned.torque_evaluations), 0.2 * plan.torque_evaluations);
+  ASSERT_TRUE(plan.torque_evaluations.has_value());
+  const double expected = *plan.torque_evaluations;
+  EXPECT_NEAR(expected, static_cast<double>(planned.account.torque_evaluations), 0.2 * expected);
   const Plan full = plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, true);
   std::printf(
       "off by %.2e rad of %.2e, %.1f torque evaluations per turn; the full model is planned at %.0f times as many\n",
-      worst, scene.accuracy_rad, per_turn, full.torque_evaluations / plan.torque_evaluations);
-  EXPECT_GT(full.torque_evaluations, 10.0 * plan.torque_evaluations);
+      worst, scene.accuracy_rad, per_turn, full.torque_evaluations.value() / expected);
+  EXPECT_GT(full.torque_evaluations.value(), 10.0 * expected);
 }
 
 TEST(Planner, FewKicksKeepTheirPromiseOnRandomSatellites) {
@@ -165,28 +175,32 @@ TEST(Planner, FewKicksRefuseWhatTheyAreNotFor) {
   EXPECT_LT(rotation_angle_rad(motion->at(-2e4).q_inertial_from_body, exact.at(-2e4).q_inertial_from_body), 0.01);
 }
 
-TEST(Planner, BoundsHoldInAThousandRandomScenes) {
-  std::mt19937_64 random(20290413);
-  std::uniform_real_distribution<double> unit(0.0, 1.0);
-  const auto direction = [&] {
-    std::normal_distribution<double> normal;
-    return Vector3(normal(random), normal(random), normal(random)).normalized();
-  };
-  const auto log_between = [&](double low, double high) { return low * std::pow(high / low, unit(random)); };
-  int dropped = 0, close = 0;
-  double tightest = 0.0;
-  for (int n = 0; n < 1000; ++n) {
-    Vector3 moments(unit(random), unit(random), 0.0);
+struct RandomScene {
+  FreeBody body;
+  Torques torques;
+  double first_s, last_s;
+};
+
+/// Every kind of torque in turn, from a body that lasts `turned_rad` of rotation.
+class RandomScenes {
+ public:
+  explicit RandomScenes(unsigned seed) : random_(seed) {}
+
+  double log_between(double low, double high) { return low * std::pow(high / low, unit_(random_)); }
+
+  RandomScene next(double least_rad, double most_rad) {
+    const int n = count_++;
+    Vector3 moments(unit_(random_), unit_(random_), 0.0);
     moments = 100.0 * (moments.array() + 0.05);
-    moments[2] = std::max(moments[0], moments[1]) + unit(random) * std::min(moments[0], moments[1]);
+    moments[2] = std::max(moments[0], moments[1]) + unit_(random_) * std::min(moments[0], moments[1]);
     std::sort(moments.data(), moments.data() + 3);
     const double rate = log_between(1e-3, 1e-1);
-    const FreeBody body{moments, Quaternion(Eigen::AngleAxisd(6.28 * unit(random), direction())),
+    const FreeBody body{moments, Quaternion(Eigen::AngleAxisd(6.28 * unit_(random_), direction())),
                         moments.cwiseProduct(rate * direction())};
-    const double last_s = log_between(1.0, 60.0) / rate, first_s = n % 4 == 0 ? -0.5 * last_s : 0.0;
+    const double last_s = log_between(least_rad, most_rad) / rate, first_s = n % 4 == 0 ? -0.5 * last_s : 0.0;
     const double momentum = body.momentum_body.norm();
-    const KeplerElements orbit{kEarth * log_between(1e-8, 1.0), log_between(7e6, 1e8), 3.0 * unit(random),
-                               last_s * unit(random),           direction(),           direction()};
+    const KeplerElements orbit{kEarth * log_between(1e-8, 1.0), log_between(7e6, 1e8), 3.0 * unit_(random_),
+                               last_s * unit_(random_),         direction(),           direction()};
     Torque torque = GravityGradient(orbit.mu_m3_s2, orbit);
     switch (n % 6) {
       case 0:
@@ -197,7 +211,7 @@ TEST(Planner, BoundsHoldInAThousandRandomScenes) {
         torque = LinearDamping{moments * rate * log_between(1e-10, 1e-4)};
         break;
       case 2:
-        torque = ThrusterPulse{last_s * unit(random), last_s * unit(random),
+        torque = ThrusterPulse{last_s * unit_(random_), last_s * unit_(random_),
                                momentum * rate * log_between(1e-10, 1e-4) * direction()};
         break;
       case 4: {  // the tensor of a hollow conductor, not in the principal axes
@@ -212,7 +226,24 @@ TEST(Planner, BoundsHoldInAThousandRandomScenes) {
       default:
         break;
     }
-    const Torques torques({torque});
+    return {body, Torques({torque}), first_s, last_s};
+  }
+
+ private:
+  Vector3 direction() { return Vector3(normal_(random_), normal_(random_), normal_(random_)).normalized(); }
+
+  std::mt19937_64 random_;
+  std::uniform_real_distribution<double> unit_{0.0, 1.0};
+  std::normal_distribution<double> normal_;
+  int count_ = 0;
+};
+
+TEST(Planner, BoundsHoldInAThousandRandomScenes) {
+  RandomScenes scenes(20290413);
+  int dropped = 0, close = 0;
+  double tightest = 0.0;
+  for (int n = 0; n < 1000; ++n) {
+    const auto [body, torques, first_s, last_s] = scenes.next(1.0, 60.0);
     const Plan plan = plan_motion(body, torques, first_s, last_s, 0.02);  // drops what turns it by less than 0.0075 rad
     if (plan.effects[0].kept) continue;
     ++dropped;
@@ -233,9 +264,54 @@ TEST(Planner, BoundsHoldInAThousandRandomScenes) {
   EXPECT_GT(close, dropped / 10);  // bounds, not excuses
 }
 
-TEST(Planner, KnowsWhenTheInputsDoNotHoldTheAccuracy) {
-  const FreeBody body{{1, 2, 3}, Quaternion::Identity(), {0, 0, 0.3}};  // 0.1 rad/s
-  EXPECT_NEAR(phase_horizon_s(body, 1e-3, 0.01), 100.0, 1e-9);
+/// What ran against what was expected, of scenes that are a few turns to thousands long; and the promise against a run
+/// to a hundredth of it.
+TEST(Planner, PredictsItsCostOrSaysThatItCannotTell) {
+  RandomScenes scenes(75);
+  int told = 0, kept = 0, refused = 0;
+  double worst = 1.0, least_kept = 0.0;
+  for (int n = 0; n < 200; ++n) {
+    const auto [body, torques, first_s, last_s] = scenes.next(10.0, 5000.0);
+    const double accuracy_rad = scenes.log_between(1e-7, 1e-2);
+    const Plan plan = plan_motion(body, torques, first_s, last_s, accuracy_rad);
+    EXPECT_LE(plan.error_rad, accuracy_rad);
+    EXPECT_FALSE(plan.cost_why.empty());
+    PlannedMotion planned;
+    try {
+      planned = planned_motion(plan, body, first_s, last_s);
+    } catch (const ComputationError&) {
+      ++refused;  // says so, and promises nothing
+      continue;
+    }
+    if (plan.torque_evaluations) {
+      ++told;
+      const double ratio =
+          (static_cast<double>(planned.account.torque_evaluations) + 1.0) / (*plan.torque_evaluations + 1.0);
+      EXPECT_LT(ratio, 2.0) << "scene " << n << ", " << plan.effects[0].name << ", " << plan.cost_why;
+      EXPECT_GT(ratio, 0.5) << "scene " << n << ", " << plan.effects[0].name << ", " << plan.cost_why;
+      worst = std::max({worst, ratio, 1.0 / ratio});
+    }
+    const double promised_rad = planned.account.max_error_rad.value();
+    EXPECT_LE(promised_rad, plan.error_rad) << "scene " << n;
+    TorquedOptions finer{0.001 * promised_rad, first_s, last_s};
+    if (finer.tolerance_rad < 1e-13) continue;
+    finer.max_torque_evaluations = 20 * kMostTorqueEvaluations;
+    const TorquedMotion truth(body, torques, finer);
+    if (truth.outcome() != Outcome::done) continue;
+    ++kept;
+    for (int i = 0; i <= 40; ++i) {
+      const double t_s = std::lerp(first_s, last_s, i / 40.0), off_rad = turned_rad(*planned.motion, truth, t_s);
+      EXPECT_LE(off_rad, 1.01 * promised_rad)
+          << "scene " << n << ", " << plan.effects[0].name << ", by " << planned.account.method << " at " << t_s;
+      least_kept = std::max(least_kept, off_rad / promised_rad);
+    }
+  }
+  std::printf(
+      "cost told of %d of 200, off by a factor of %.2f at most; %d promises looked at, the closest reached %.3f of it; "
+      "%d not computed\n",
+      told, worst, kept, least_kept, refused);
+  EXPECT_GT(told, 100);
+  EXPECT_GT(kept, 150);
 }
 
 TEST(Planner, NamesTheFreeModel) {

@@ -37,6 +37,7 @@ struct Body {
   std::string source;  ///< where the numbers come from, in the file's words
   std::optional<Inertia> inertia;
   std::optional<SpinState> state;
+  std::optional<double> period_uncertainty;  ///< one sigma of the periods (and rates), as a part of themselves
   std::vector<StatedAttitude> attitudes;  ///< all that the file states, where `state` is chosen among several
   std::vector<std::string> missing;       ///< what a propagation would need and the file does not give; empty: complete
   std::vector<std::string> notes;         ///< what was understood, for people

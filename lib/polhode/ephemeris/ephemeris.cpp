@@ -128,4 +128,22 @@ void Ephemeris::fill(std::size_t first, std::size_t count, TimeResolution resolu
   }
 }
 
+double largest_difference_rad(const Ephemeris& one, const Ephemeris& other) {
+  constexpr std::size_t block_rows = 65536;
+  AttitudeBlock a, b;
+  double worst = 0.0;
+  for (std::size_t first = 0; first < one.times().size(); first += block_rows) {
+    const std::size_t count = std::min(block_rows, one.times().size() - first);
+    one.fill(first, count, {}, a);
+    other.fill(first, count, {}, b);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto attitude = [i](const AttitudeBlock& block) {
+        return from_scalar_first(Eigen::Map<const Eigen::Vector4d>(&block.q_frame_from_named[4 * i]));
+      };
+      worst = std::max(worst, rotation_angle_rad(attitude(a), attitude(b)));  // fill() lets no NaN pass
+    }
+  }
+  return worst;
+}
+
 }  // namespace polhode

@@ -39,13 +39,15 @@ using PrincipalMotion =
 /// What an ephemeris says about itself.
 struct EphemerisDescription {
   std::string object;
-  std::string source;                        ///< of the body's numbers
-  std::string method;                        ///< of the motion
-  std::optional<double> promised_error_rad;  ///< of every row, and of what stands between rows if `tolerance_rad` is
-                                             ///< given; absent: nothing is known
-  std::optional<double> tolerance_rad;       ///< promised for the interpolation that the format's readers do
-  std::string interpolation;                 ///< that interpolation, in words, where one is promised
-  std::string ccsds_interpolation;           ///< INTERPOLATION_METHOD of CCSDS, empty: none is recommended
+  std::string source;                             ///< of the body's numbers
+  std::string method;                             ///< that the motion was computed by
+  std::optional<double> promised_error_rad;       ///< of every row; absent: nothing is promised
+  std::string error_meaning;                      ///< what that error covers, or why none is promised, in words
+  std::optional<std::size_t> torque_evaluations;  ///< that the motion took; absent where it is none under torques
+  std::vector<std::string> cautions;              ///< what a user of the rows should know besides, in words
+  std::optional<double> tolerance_rad;            ///< promised for the interpolation that the format's readers do
+  std::string interpolation;                      ///< that interpolation, in words, where one is promised
+  std::string ccsds_interpolation;                ///< INTERPOLATION_METHOD of CCSDS, empty: none is recommended
   int ccsds_interpolation_degree = 0;
   std::string object_id;  ///< empty: as `object`
   std::string body_axes;  ///< their name in messages; empty: SC_BODY_1, or BODY in FITS
@@ -85,5 +87,9 @@ class Ephemeris {
   Instant epoch_;                                                // from which `rows_` counts
   std::function<void(std::size_t count, AttitudeBlock&)> rows_;  // attitude, rate and momentum at the elapsed times
 };
+
+/// The largest angle between the attitudes of two ephemerides at the rows of the first, which has as many as the second
+/// at the same times; what an inexact method is compared with an exact one by.
+double largest_difference_rad(const Ephemeris& one, const Ephemeris& other);
 
 }  // namespace polhode

@@ -87,9 +87,14 @@ class Gauge {
 }  // namespace
 
 std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, double last_s, double tolerance_rad,
-                               RowInterpolation interpolation) {
+                               double rows_error_rad, RowInterpolation interpolation) {
   if (!(tolerance_rad > 0.0) || !std::isfinite(tolerance_rad)) {
     throw InputError(fmt::format("the tolerance is {} rad; it must be positive", tolerance_rad));
+  }
+  const double left_rad = tolerance_rad - rows_error_rad;
+  if (!(left_rad >= 0.2 * tolerance_rad)) {
+    throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
+                                 tolerance_rad, rows_error_rad));
   }
   const double span_s = last_s - first_s;
   if (!(span_s >= 0.0)) throw InputError(fmt::format("stop is {} s before start; it must not be", -span_s));
@@ -97,7 +102,7 @@ std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, do
   const bool circle = interpolation == RowInterpolation::great_circle;
   const int window_rows = circle ? 2 : 8;
   const double order = circle ? 2.0 : 8.0;
-  const double wanted = 0.9 * tolerance_rad;
+  const double wanted = 0.9 * left_rad;
   Gauge gauge(motion, interpolation);
 
   constexpr double most_gaps = 1e12;

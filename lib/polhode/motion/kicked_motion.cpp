@@ -154,13 +154,27 @@ std::optional<double> KickedMotion::predicted_evaluations(const FreeBody& body, 
 }
 
 std::unique_ptr<const KickedMotion> KickedMotion::make(const FreeBody& body, const Torques& torques,
-                                                       const KickedOptions& options) {
+                                                       const KickedOptions& options, std::size_t* in_vain) {
   if (!applies(body, torques, options)) return nullptr;
   Runner runner(body.principal_moments, torques);
+  std::unique_ptr<const KickedMotion> motion = make(body, options, runner);
+  if (!motion && in_vain != nullptr) *in_vain += runner.evaluations;
+  return motion;
+}
+
+std::unique_ptr<const KickedMotion> KickedMotion::make(const FreeBody& body, const KickedOptions& options,
+                                                       Runner& runner) {
   const std::optional<double> step_rad = chosen_step_rad(body, options, runner);
   if (!step_rad) return nullptr;
+  const double rate = mean_rate_rad_s(body.principal_moments, {body.q_inertial_from_body, body.momentum_body});
+  const double phase_rad = (options.last_s - options.first_s) * rate;
   const auto made = [&](double step) {
-    std::unique_ptr<KickedMotion> motion(new KickedMotion(body, options));  // NOLINT: the constructor is private
+    std::unique_ptr<KickedMotion> motion;
+    if (static_cast<double>(runner.evaluations) + phase_rad / step >
+        static_cast<double>(options.max_torque_evaluations)) {
+      return motion;
+    }
+    motion.reset(new KickedMotion(body, options));  // NOLINT: the constructor is private
     if (!motion->run(body, step, runner)) motion.reset();
     return motion;
   };
@@ -209,6 +223,13 @@ std::size_t KickedMotion::nearest(double t_s) const {
   if (index == nodes_.size()) return index - 1;
   if (index > 0 && t_s - nodes_[index - 1].t_s < nodes_[index].t_s - t_s) return index - 1;
   return index;
+}
+
+MotionAccount KickedMotion::account() const {
+  return {"splitting, few kicks per turn", options_.tolerance_rad,
+          fmt::format("two runs agree to {:.1e} rad; the numbers of the body and its torques are taken as exact",
+                      error_rad_),
+          evaluations_};
 }
 
 FreeState KickedMotion::at(double t_high_s, double t_low_s) const {

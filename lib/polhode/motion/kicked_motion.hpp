@@ -13,6 +13,7 @@ namespace polhode {
 struct KickedOptions {
   double tolerance_rad = 0.0;          ///< wanted error of the attitude, worst of the span
   double first_s = 0.0, last_s = 0.0;  ///< the span, which holds t = 0
+  std::size_t max_torque_evaluations = 100'000'000;
 };
 
 /// The motion of many turns under torques that are weak beside the inertia forces, to a low accuracy at a few torque
@@ -29,9 +30,10 @@ struct KickedOptions {
 class KickedMotion final : public FreeMotion {
  public:
   /// Nothing where the span has too few turns, the surroundings change too fast, the motion is too near the separatrix,
-  /// a torque jumps, or the tolerance is not met: another method is then needed.
+  /// a torque jumps, or the tolerance is not met, or not within the limit of evaluations: another method is then
+  /// needed. What was spent in vain is added to `in_vain`.
   static std::unique_ptr<const KickedMotion> make(const FreeBody& body, const Torques& torques,
-                                                  const KickedOptions& options);
+                                                  const KickedOptions& options, std::size_t* in_vain = nullptr);
 
   /// Torque evaluations that make() would take, from a trial at the start; nothing as for make().
   static std::optional<double> predicted_evaluations(const FreeBody& body, const Torques& torques,
@@ -42,6 +44,7 @@ class KickedMotion final : public FreeMotion {
 
   double error_rad() const { return error_rad_; }                  ///< estimated, worst of the span
   std::size_t torque_evaluations() const { return evaluations_; }  ///< of all runs, trials included
+  MotionAccount account() const;                                   ///< what ran; the tolerance is promised
 
  private:
   /// Half way between two kicks.
@@ -53,6 +56,7 @@ class KickedMotion final : public FreeMotion {
 
   KickedMotion(const FreeBody& body, const KickedOptions& options)
       : moments_(body.principal_moments), options_(options) {}
+  static std::unique_ptr<const KickedMotion> make(const FreeBody& body, const KickedOptions& options, Runner& runner);
   /// The longest step whose error at the end of the span is within the tolerance, by a trial at the start; or nothing.
   static std::optional<double> chosen_step_rad(const FreeBody& body, const KickedOptions& options, Runner& runner);
   /// Fills the nodes; false where the motion leaves what the method is for.

@@ -24,14 +24,16 @@ std::span<const Method> methods() {
        .make = [](const FreeBody& body) -> std::unique_ptr<FreeMotion> { return std::make_unique<ThetaMotion>(body); },
        .make_short = [](const FreeBody& body) -> std::unique_ptr<FreeMotion> {
          return std::make_unique<ThetaMotion>(body, ThetaMotion::Span::step);
-       }},
+       },
+       .exact_everywhere = true},
       {.name = "legendre",
        .kind = "exact",
        .order = "exact",
        .conserves = "everything",
        .fails = "nowhere known",
        .source = "legendre.md; Leroy 2020, On an Article by Celledoni et al.",
-       .make = make_legendre},
+       .make = make_legendre,
+       .exact_everywhere = true},
       {.name = "matrix-basis",
        .kind = "exact",
        .order = "exact",

@@ -32,7 +32,8 @@ struct Method {
   std::unique_ptr<FreeMotion> (*make_short)(const FreeBody&) = nullptr;
   /// Integrators: the same as `make`, under control; null for the exact methods, which need none.
   std::unique_ptr<FreeMotion> (*make_controlled)(const FreeBody&, const StepControl&) = nullptr;
-  bool fixed_step = false;  ///< controlled by StepControl::step_s, else by its tolerance
+  bool fixed_step = false;        ///< controlled by StepControl::step_s, else by its tolerance
+  bool exact_everywhere = false;  ///< to rounding, for every body and span: such a method may promise its error unseen
 };
 
 /// All methods, the recommended first.

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 
 #include "polhode/base/geometry.hpp"
@@ -23,6 +25,14 @@ struct FreeBody {
 struct FreeState {
   Quaternion q_inertial_from_body;  ///< unit to 2 eps, sign continuous in time
   Vector3 momentum_body;            ///< principal axes, unit of FreeBody::momentum_body
+};
+
+/// What was done to compute a motion. Files and messages say of method, error and cost what stands here.
+struct MotionAccount {
+  std::string method;                   ///< that gave the states, by its name
+  std::optional<double> max_error_rad;  ///< promised for the attitude anywhere in the span; absent: nothing is promised
+  std::string error_meaning;            ///< what `max_error_rad` covers and how it was found, in words
+  std::size_t torque_evaluations = 0;   ///< of all runs, also of those that were not kept
 };
 
 /// Seconds from t = 0: `high`, or high + low for callers with two parts (they may overlap). Any order, size and sign.

@@ -10,7 +10,9 @@
 #include <optional>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/kicked_motion.hpp"
+#include "polhode/motion/methods.hpp"
 #include "polhode/motion/theta.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 
@@ -19,6 +21,17 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMotionShare = 0.75;  // of the accuracy; the rest is for interpolation between rows
+constexpr double kMostPushes = 3e6;    // steps along the span in which the bound of a torque is summed: about a second
+// Two trials, the second three times as long as the first, tell the cost of the whole span where its surroundings are
+// as steady as this and the two agree as well as this. Held by Planner.PredictsItsCostOrSaysThatItCannot.
+constexpr double kShorterTrial = 0.02, kLongerTrial = 0.08;                      // of the span
+constexpr double kFullTolerance_rad = 1e-9;                                      // with everything kept
+constexpr double kRounding_rad = 16.0 * std::numeric_limits<double>::epsilon();  // of a state that is answered
+constexpr double kSteady = 1.3;
+constexpr double kTrialsAgree = 1.25;
+constexpr double kTrialMargin = 0.05;  // of the tolerance, that its error over the part may grow to over the whole
+constexpr double kMostOfSpan = 0.3;   // a longer trial may as well be the whole
+constexpr double kNearRounding = 0.02;
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -128,10 +141,15 @@ Push largest_push(const Torque& torque, const FreeBody& body, double end_s, cons
   stops_s.push_back(length_s);
   std::sort(stops_s.begin(), stops_s.end());
   Push push;
-  double gone_s = 0.0;
+  double gone_s = 0.0, pushes = 0.0;
   for (const double stop_s : stops_s) {
     while (gone_s < stop_s) {
       const double step_s = std::min({0.02 * alone.time_scale_s(direction * gone_s), stop_s - gone_s, quick_s});
+      if (!(step_s > 0.0) || ++pushes > kMostPushes) {
+        throw InputError(fmt::format(
+            "{}: its surroundings change too often in {} s to be followed: at {} s they take {} s; shorten the span",
+            torque_name(torque), length_s, direction * gone_s, 50.0 * step_s));
+      }
       const double next_s = step_s < stop_s - gone_s ? gone_s + step_s : stop_s;
       // The larger of the ends, and 5 % for what may lie between them (r changes by 2 % in a step). A pulse is constant
       // between its stops, so that its middle counts.
@@ -139,6 +157,10 @@ Push largest_push(const Torque& torque, const FreeBody& body, double end_s, cons
                                  ? largest_torque(torque, direction * 0.5 * (gone_s + next_s), body)
                                  : 1.05 * std::max(largest_torque(torque, direction * gone_s, body),
                                                    largest_torque(torque, direction * next_s, body));
+      if (!std::isfinite(largest)) {
+        throw InputError(fmt::format("{}: the largest torque at {} s is {}; a finite one is wanted",
+                                     torque_name(torque), direction * gone_s, largest));
+      }
       const double impulse = largest * (next_s - gone_s);
       push.impulse += impulse;
       push.turned_rad += impulse / momentum * sensitivity.after(length_s - gone_s);
@@ -168,6 +190,93 @@ void name_free_model(const FreeBody& body, double accuracy_rad, Plan& plan) {
   }
 }
 
+[[noreturn]] void throw_no_room(double accuracy_rad, double error_rad) {
+  throw InputError(
+      fmt::format("an accuracy of {} rad cannot be kept: over this span the attitude is good to {:.1e} rad",
+                  accuracy_rad, error_rad));
+}
+
+/// What to say of the exact free motion; refuses an accuracy that its rounding leaves no room for.
+MotionAccount free_account(const FreeBody& body, double first_s, double last_s, double accuracy_rad) {
+  MotionAccount account = free_motion_account(method("theta"), body, first_s, last_s);
+  if (!account.max_error_rad) throw_no_room(accuracy_rad, std::numbers::pi);
+  if (*account.max_error_rad > accuracy_rad) throw_no_room(accuracy_rad, *account.max_error_rad);
+  return account;
+}
+
+/// So many evaluations of these torques are as much work as `most` of a gravity gradient.
+std::size_t allowed_evaluations(const Torques& torques, std::size_t most) {
+  return std::max<std::size_t>(1, static_cast<std::size_t>(static_cast<double>(most) / torques.cost_of_evaluation()));
+}
+
+/// The ratio of the longest to the shortest time in which the surroundings change during the span; 1 without any.
+double unsteadiness(const Torques& torques, double first_s, double last_s) {
+  constexpr int looks = 1000;
+  double least = kInfinity, most = 0.0;
+  for (int i = 0; i <= looks; ++i) {
+    const double scale_s = torques.time_scale_s(std::lerp(first_s, last_s, static_cast<double>(i) / looks));
+    least = std::min(least, scale_s);
+    most = std::max(most, scale_s);
+  }
+  return std::isfinite(most) ? most / least : 1.0;
+}
+
+/// Model and cost from TorquedMotion over the first parts of the span.
+void predict_by_trials(const FreeBody& body, double first_s, double last_s, double rate_rad_s, std::size_t most,
+                       Plan& plan) {
+  const double span_s = last_s - first_s;
+  const double least_s = rate_rad_s > 0.0 ? 20.0 / rate_rad_s : span_s;  // a few turns
+  const double shortest = std::min(1.0, std::max(kShorterTrial, least_s / span_s));
+  double longest = shortest * kLongerTrial / kShorterTrial;
+  if (longest > kMostOfSpan) longest = 1.0;
+  const double rounding_rad = rounding_of_doubles_rad(rate_rad_s * std::max(last_s, -first_s));
+  bool needs_more = false;
+  const auto trial = [&](double share) {
+    TorquedOptions options{plan.tolerance_rad, share * first_s, share * last_s};
+    if (rounding_rad > plan.tolerance_rad) options.method = "extrapolation";  // as the whole span will
+    options.max_torque_evaluations = most;
+    const TorquedMotion motion(body, plan.kept, options);
+    needs_more = motion.error_rad() > kTrialMargin * longest * plan.tolerance_rad;
+    return motion.account();
+  };
+  const MotionAccount second = trial(longest);
+  plan.model = second.method;
+  plan.why = fmt::format("steps chosen for {:.1e} rad", plan.tolerance_rad);
+  if (second.torque_evaluations >= most) {
+    plan.cost_why = fmt::format("a trial over the first {:.2g} % was ended after {} torque evaluations",
+                                100.0 * longest, second.torque_evaluations);
+    return;
+  }
+  const auto evaluations = static_cast<double>(second.torque_evaluations);
+  if (longest == 1.0) {
+    plan.torque_evaluations = evaluations;
+    plan.cost_why = "from a trial over the whole span";
+    return;
+  }
+  const std::string at_least = fmt::format("a trial over the first {:.2g} % took {} torque evaluations, but ",
+                                           100.0 * longest, second.torque_evaluations);
+  if (unsteadiness(plan.kept, first_s, last_s) > kSteady || !plan.kept.jumps_s().empty()) {
+    plan.cost_why = at_least + "the surroundings change over the span";
+    return;
+  }
+  if (rounding_rad > kNearRounding * plan.tolerance_rad && rounding_rad <= plan.tolerance_rad) {
+    plan.cost_why = at_least + "rounding may want long double over the whole span";
+    return;
+  }
+  if (needs_more) {
+    plan.cost_why = at_least + "the error may grow along the span until more runs are needed";
+    return;
+  }
+  const MotionAccount first = trial(shortest);
+  const double ratio = evaluations / static_cast<double>(first.torque_evaluations) * shortest / longest;
+  if (first.method != second.method || !(ratio < kTrialsAgree && ratio > 1.0 / kTrialsAgree)) {
+    plan.cost_why = at_least + "the effort changes along the span";
+    return;
+  }
+  plan.torque_evaluations = evaluations / longest;
+  plan.cost_why = fmt::format("from trials over the first {:.2g} %", 100.0 * longest);
+}
+
 }  // namespace
 
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
@@ -191,90 +300,124 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
     PlannedEffect effect;
     effect.name = torque_name(torque);
     if (momentum > 0.0) {
-      double impulse = 0.0;
+      double impulse = 0.0, turned_rad = 0.0;
       for (const double end_s : {first_s, last_s}) {
         if (end_s == 0.0) continue;
         const Push push = largest_push(torque, body, end_s, *sensitivity);
         impulse += push.impulse;
-        effect.secular_rad = std::max(effect.secular_rad, push.turned_rad);
+        turned_rad = std::max(turned_rad, push.turned_rad);
       }
+      if (!std::isfinite(turned_rad)) {
+        throw InputError(
+            fmt::format("{}: the bound of what it does is {} rad; a finite one is wanted", effect.name, turned_rad));
+      }
+      effect.secular_rad = turned_rad;
       effect.periodic_rad = span_s > 0.0 ? impulse / span_s / (momentum * rate_rad_s) : 0.0;
-    } else {
-      effect.secular_rad = effect.periodic_rad = kInfinity;
     }
     by_size.push_back(plan.effects.size());
     plan.effects.push_back(std::move(effect));
   }
-  std::sort(by_size.begin(), by_size.end(),
-            [&](std::size_t a, std::size_t b) { return plan.effects[a].secular_rad < plan.effects[b].secular_rad; });
+  const auto bound_rad = [&](std::size_t i) { return plan.effects[i].secular_rad.value_or(kInfinity); };
+  std::sort(by_size.begin(), by_size.end(), [&](std::size_t a, std::size_t b) { return bound_rad(a) < bound_rad(b); });
   std::vector<Torque> kept;
   for (const std::size_t i : by_size) {  // the smallest first, while they fit into half the accuracy
     PlannedEffect& effect = plan.effects[i];
-    effect.kept = full || !(plan.dropped_rad + effect.secular_rad <= 0.5 * budget_rad);
-    if (effect.kept) {
-      effect.why = full ? "everything was asked for"
-                        : fmt::format("may turn it by more than {:.1e} rad", 0.5 * budget_rad - plan.dropped_rad);
-    } else {
+    effect.kept = full || plan.dropped_rad + bound_rad(i) > 0.5 * budget_rad;
+    if (!effect.kept) {
       effect.why = "within what may be dropped, with all that is dropped";
-      plan.dropped_rad += effect.secular_rad;
+      plan.dropped_rad += bound_rad(i);
+    } else if (full) {
+      effect.why = "everything was asked for";
+    } else if (!effect.secular_rad) {
+      effect.why = "the body is at rest: any torque turns it";
+    } else {
+      effect.why = fmt::format("may turn it by more than {:.1e} rad", 0.5 * budget_rad - plan.dropped_rad);
     }
   }
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     if (plan.effects[i].kept) kept.push_back(torques.list()[i]);
   }
   plan.kept = Torques(std::move(kept));
+  // What is not spent on dropped effects is left for the propagation.
+  plan.tolerance_rad = full ? std::min(kFullTolerance_rad, budget_rad) : budget_rad - plan.dropped_rad;
   if (plan.kept.empty()) {
     name_free_model(body, accuracy_rad, plan);
-    plan.error_rad = plan.dropped_rad;
+    plan.torque_evaluations = 0.0;
+    plan.cost_why = "no torque is kept";
+    plan.error_rad = plan.dropped_rad + free_account(body, first_s, last_s, accuracy_rad).max_error_rad.value();
     return plan;
   }
-
-  // What is not spent on dropped effects is left for the propagation.
-  plan.tolerance_rad = full ? std::min(1e-9, budget_rad) : budget_rad - plan.dropped_rad;
-  plan.error_rad = plan.dropped_rad + plan.tolerance_rad;
+  plan.error_rad = plan.dropped_rad + plan.tolerance_rad + kRounding_rad;
+  if (plan.error_rad > accuracy_rad) throw_no_room(accuracy_rad, plan.error_rad);
   if (!full) {
-    const KickedOptions kicked{plan.tolerance_rad, first_s, last_s};
+    const KickedOptions kicked{plan.tolerance_rad, first_s, last_s, kMostTorqueEvaluations};
     if (const auto evaluations = KickedMotion::predicted_evaluations(body, plan.kept, kicked)) {
       plan.few_kicks = true;
-      plan.torque_evaluations = *evaluations;
       plan.model = "splitting, few kicks per turn";
       plan.why = fmt::format("{:.2g} torque evaluations per turn suffice for {:.1e} rad",
                              *evaluations * 2.0 * std::numbers::pi / (rate_rad_s * span_s), plan.tolerance_rad);
+      if (plan.kept.smooth()) {
+        plan.torque_evaluations = *evaluations;
+        plan.cost_why = "from a trial of a hundred turns";
+      } else {
+        plan.cost_why = "facets that come into the light make kinks, which may need another method";
+      }
       return plan;
     }
   }
-  // A trial over the first hundredth, but a few turns at least, tells the method and the cost.
-  const double least_s = rate_rad_s > 0.0 ? 20.0 / rate_rad_s : span_s;
-  const double share = std::min(1.0, std::max(0.01, least_s / std::max(span_s, 1e-300)));
-  const TorquedMotion trial(body, plan.kept, {plan.tolerance_rad, share * first_s, share * last_s});
-  plan.model = trial.method();
-  plan.why = fmt::format("steps chosen for {:.1e} rad", plan.tolerance_rad);
-  plan.torque_evaluations = static_cast<double>(trial.torque_evaluations()) / share;
+  const std::size_t tenth = (full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations) / 10;
+  predict_by_trials(body, first_s, last_s, rate_rad_s, allowed_evaluations(plan.kept, tenth), plan);
   return plan;
 }
 
-PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double first_s, double last_s) {
-  if (plan.kept.empty()) return {std::make_unique<ThetaMotion>(body), 0.0, 0};
+PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double first_s, double last_s,
+                             std::size_t most_torque_evaluations) {
+  PlannedMotion planned;
+  if (plan.kept.empty()) {
+    planned.motion = std::make_unique<ThetaMotion>(body);
+    planned.account = free_account(body, first_s, last_s, plan.error_rad);
+    *planned.account.max_error_rad += plan.dropped_rad;
+    if (plan.dropped_rad > 0.0) {
+      planned.account.error_meaning =
+          "bound of the torques that were left out, and rounding; the numbers of the body are taken as exact";
+    }
+    return planned;
+  }
+  const std::size_t most = allowed_evaluations(plan.kept, most_torque_evaluations);
+  if (plan.torque_evaluations && *plan.torque_evaluations > static_cast<double>(most)) {
+    throw ComputationError(fmt::format(
+        "the propagation would take about {:.2g} torque evaluations, {} are allowed; allow more, or ask for "
+        "less accuracy or a shorter span",
+        *plan.torque_evaluations, most));
+  }
+  std::size_t in_vain = 0;
   if (plan.few_kicks) {
-    if (auto motion = KickedMotion::make(body, plan.kept, {plan.tolerance_rad, first_s, last_s})) {
-      const double error_rad = motion->error_rad();
-      const std::size_t evaluations = motion->torque_evaluations();
-      return {std::move(motion), error_rad, evaluations};
+    if (auto motion = KickedMotion::make(body, plan.kept, {plan.tolerance_rad, first_s, last_s, most}, &in_vain)) {
+      planned.account = motion->account();
+      planned.motion = std::move(motion);
     }
   }
-  auto motion = std::make_unique<TorquedMotion>(body, plan.kept, TorquedOptions{plan.tolerance_rad, first_s, last_s});
-  if (motion->outcome() != Outcome::done) {
-    throw ComputationError(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was planned",
-                                       outcome_name(motion->outcome()), motion->error_rad(), plan.tolerance_rad));
+  if (!planned.motion) {
+    TorquedOptions options{plan.tolerance_rad, first_s, last_s};
+    options.max_torque_evaluations = most;
+    auto motion = std::make_unique<TorquedMotion>(body, plan.kept, options);
+    if (motion->outcome() == Outcome::stopped && motion->torque_evaluations() >= most) {
+      throw ComputationError(
+          fmt::format("the propagation was ended after {} torque evaluations; allow more, or ask for less accuracy or "
+                      "a shorter span",
+                      motion->torque_evaluations() + in_vain));
+    }
+    if (motion->outcome() != Outcome::done) {
+      throw ComputationError(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was planned",
+                                         outcome_name(motion->outcome()), motion->error_rad(), plan.tolerance_rad));
+    }
+    planned.account = motion->account();
+    planned.motion = std::move(motion);
   }
-  const double error_rad = motion->error_rad();
-  const std::size_t evaluations = motion->torque_evaluations();
-  return {std::move(motion), error_rad, evaluations};
-}
-
-double phase_horizon_s(const FreeBody& body, double relative_period_uncertainty, double accuracy_rad) {
-  const double rate_rad_s = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
-  return accuracy_rad / (rate_rad_s * relative_period_uncertainty);
+  planned.account.torque_evaluations += in_vain;
+  *planned.account.max_error_rad += plan.dropped_rad + kRounding_rad;
+  if (plan.dropped_rad > 0.0) planned.account.error_meaning += "; the bound of the torques that were left out is added";
+  return planned;
 }
 
 }  // namespace polhode

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,25 +14,36 @@ namespace polhode {
 /// What one torque can do to an attitude over a span, from above, and what became of it.
 struct PlannedEffect {
   std::string name;
-  double periodic_rad = 0.0;  ///< swing within a turn: mean torque / (momentum x rate)
-  double secular_rad = 0.0;   ///< bound at the end of the span, swing included: every push taken in the worst direction
+  /// Swing within a turn: mean torque / (momentum x rate). Absent for a body at rest, which has no rate.
+  std::optional<double> periodic_rad;
+  /// Bound at the end of the span, swing included: every push taken in the worst direction. Absent for a body at rest.
+  std::optional<double> secular_rad;
   bool kept = false;
   std::string why;
 };
 
-/// The cheapest sufficient model of a motion, and what it promises.
+/// The cheapest sufficient model of a motion, and what is expected of it. What ran in the end is in
+/// PlannedMotion::account.
 struct Plan {
   std::vector<PlannedEffect> effects;
   Torques kept;
-  std::string model;       ///< "principal-axis rotation", "symmetric top", "free triaxial", or the method under torques
+  std::string model;       ///< "principal-axis rotation", "symmetric top", "free triaxial", or the method to try first
   std::string why;         ///< of the model
-  bool few_kicks = false;  ///< propagated by KickedMotion rather than by TorquedMotion
-  double tolerance_rad = 0.0;       ///< of the propagation, if torques are kept
-  double dropped_rad = 0.0;         ///< bound of all dropped effects together
-  double error_rad = 0.0;           ///< predicted: dropped effects and propagation
-  double torque_evaluations = 0.0;  ///< predicted, from a trial over the first part of the span
-  double sensitivity = 0.0;         ///< rad of attitude at the end per relative change of the momentum at the start
+  bool few_kicks = false;  ///< KickedMotion is tried before TorquedMotion
+  double tolerance_rad = 0.0;  ///< of the propagation, if torques are kept
+  double dropped_rad = 0.0;    ///< bound of all dropped effects together
+  double error_rad = 0.0;      ///< at the most, if the propagation succeeds: dropped effects, propagation, rounding
+  /// Expected within a factor of 2; absent where a trial over the first part of the span cannot tell.
+  std::optional<double> torque_evaluations;
+  std::string cost_why;      ///< of the number, or of its absence
+  double sensitivity = 0.0;  ///< rad of attitude at the end per relative change of the momentum at the start
 };
+
+/// Torque evaluations that plans and propagations may take unless the caller allows more: some seconds of work. An
+/// evaluation of a torque on many facets counts for several (Torques::cost_of_evaluation()).
+constexpr std::size_t kMostTorqueEvaluations = 10'000'000;
+/// The same where every effect was asked for, at 1e-9 rad: a minute and more.
+constexpr std::size_t kMostTorqueEvaluationsInFull = 100'000'000;
 
 /// Decides from bounds, before integrating, which torques matter for an attitude error of `accuracy_rad` over first_s …
 /// last_s (which hold 0). Three quarters of the accuracy are for the motion, a quarter is left for interpolation
@@ -44,21 +57,23 @@ struct Plan {
 ///
 /// Few turns, or high accuracy: TorquedMotion. Many turns and a low accuracy: KickedMotion, where its trial finds that
 /// it serves. Nothing kept: the exact free motion.
+///
+/// Throws InputError for an accuracy or a span that is none, for a torque whose bound over the span is not finite,
+/// where the surroundings change too often in the span to be followed in 3 million steps, and for an accuracy that the
+/// rounding of the free motion over the span leaves no room for.
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
                  bool full = false);
 
 /// What came of a plan.
 struct PlannedMotion {
   std::unique_ptr<const FreeMotion> motion;
-  double error_rad = 0.0;              ///< of the propagation alone, as it estimates
-  std::size_t torque_evaluations = 0;  ///< of all runs
+  MotionAccount
+      account;  ///< the error with that of dropped effects; the evaluations of all runs, also of those in vain
 };
 
 /// The motion that a plan describes: the exact free motion, a KickedMotion, or a TorquedMotion. Throws ComputationError
-/// where the planned error is not reached.
-PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double first_s, double last_s);
-
-/// Seconds after which the phase is lost to `accuracy_rad` if the periods are uncertain by this part of themselves.
-double phase_horizon_s(const FreeBody& body, double relative_period_uncertainty, double accuracy_rad);
+/// where the planned error is not reached, or not within so many torque evaluations.
+PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double first_s, double last_s,
+                             std::size_t most_torque_evaluations = kMostTorqueEvaluations);
 
 }  // namespace polhode

@@ -19,7 +19,6 @@ constexpr std::string_view kAuto = "auto";
 constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel and the error estimate are made for
 constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
 constexpr int kMostRefinements = 8;
-constexpr double kFewestRoundingsPerRadian = 1.0;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
 // Of variation: the first run's tolerance, of what is asked for, and the next one's; measured over the torqued bodies
 // in data/truth.
@@ -33,6 +32,7 @@ constexpr std::size_t kManyWindows = 50;
 // double only, where it is not rounding that keeps two runs apart.
 constexpr double kLooserExtrapolation = 1e2, kLooserExtrapolationInDouble = 100.0;
 constexpr double kGainOfExtrapolation = 10.0, kGainOfExtrapolationInDouble = 2.0;
+constexpr double kClaimWithKinks = 4.0;  // of the difference of two runs; errors of 1.6 of it were seen
 constexpr double kAsymptotic_rad = 1e-2;  // runs that differ by more say nothing of each other
 
 ExtendedState extended(const FreeState& state) {
@@ -54,6 +54,8 @@ double angle_rad(const ExtendedState& a, const ExtendedState& b) {
 double rounding_rad(double phase_rad, double kicks) { return 1e-16 * std::sqrt(kicks) * (1.0 + phase_rad); }
 
 }  // namespace
+
+double rounding_of_doubles_rad(double phase_rad) { return rounding_rad(phase_rad, phase_rad); }
 
 std::string_view outcome_name(Outcome outcome) {
   switch (outcome) {
@@ -321,7 +323,7 @@ class TorquedMotion::Builder {
 };
 
 TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options)
-    : moments_(body.principal_moments) {
+    : moments_(body.principal_moments), tolerance_rad_(options.tolerance_rad) {
   if (!(options.tolerance_rad > 0.0)) {
     throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
   }
@@ -335,8 +337,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
       body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
   if (options.method == kAuto) {
     methods = {kVariation, kExtrapolationInDouble, kExtrapolation};
-    if (rounding_rad(phase_rad, kFewestRoundingsPerRadian * phase_rad) > options.tolerance_rad)
-      methods = {kExtrapolation};
+    if (rounding_of_doubles_rad(phase_rad) > options.tolerance_rad) methods = {kExtrapolation};
   }
   for (const std::string_view name : methods) {
     const bool last = name == methods.back();
@@ -351,6 +352,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
       gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
       looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;
     }
+    if (!torques.smooth()) gain = 1.0 / kClaimWithKinks, safety = 1.0;
     const double goal_rad = gain * options.tolerance_rad / safety;
     Path forward, backward;
     bool whole = builder.first_paths(looser * options.tolerance_rad, forward, backward);
@@ -395,6 +397,24 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
     last_s_ = forward_.back().nodes.back().t_s;
     break;
   }
+}
+
+MotionAccount TorquedMotion::account() const {
+  MotionAccount account;
+  account.method = method_;
+  account.torque_evaluations = evaluations_;
+  if (outcome_ == Outcome::stopped) {
+    account.error_meaning = "nothing is promised: the end of the span was not reached";
+    return account;
+  }
+  if (outcome_ == Outcome::done) {
+    account.max_error_rad = tolerance_rad_;
+    account.error_meaning = fmt::format(
+        "two runs agree to {:.1e} rad; the numbers of the body and its torques are taken as exact", error_rad_);
+  } else {
+    account.error_meaning = fmt::format("nothing is promised: two runs agree to {:.1e} rad only", error_rad_);
+  }
+  return account;
 }
 
 std::size_t TorquedMotion::steps() const {

@@ -33,6 +33,10 @@ struct TorquedOptions {
   std::size_t max_torque_evaluations = 100'000'000;
 };
 
+/// What rounding in doubles comes to over so many radians of rotation. Where it is above the tolerance, "auto" begins
+/// with long double.
+double rounding_of_doubles_rad(double phase_rad);
+
 /// How far beyond a span its motion answers: rows evenly spaced in one time scale end up to 3.4 ms beyond a span that
 /// was given in another (TDB swings about TT), and the motion goes on well enough for that long.
 constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s : 5e-3; }
@@ -43,8 +47,10 @@ constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s
 /// last Chebyshev coefficients (variation), or by doing each step whole and in halves (splitting). That says nothing
 /// about how errors grow on a chaotic path, so the whole span is then done again, finer, until two such runs agree
 /// within the tolerance; error_rad() is their difference (the finer one is kept, whose error is smaller still). Where
-/// rounding keeps them apart, extrapolation in long double takes over. Between the ends of steps a state comes from the
-/// polynomials of the variation, or is a shorter step of the same method from the last end: full order everywhere.
+/// rounding keeps them apart, extrapolation in long double takes over. Torques with kinks (Torques::smooth()) do not
+/// let the error fall as steps shorten: for them error_rad() is four times the difference. Between the ends of steps a
+/// state comes from the polynomials of the variation, or is a shorter step of the same method from the last end: full
+/// order everywhere.
 class TorquedMotion final : public FreeMotion {
  public:
   /// Throws InputError for a span without 0, a tolerance that is not positive, an unknown method.
@@ -54,8 +60,11 @@ class TorquedMotion final : public FreeMotion {
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
 
   Outcome outcome() const { return outcome_; }
-  std::string_view method() const { return method_; }                        ///< the one that gave the states
-  double error_rad() const { return error_rad_; }                            ///< estimated, worst of the span
+  const std::string& method() const { return method_; }  ///< the one that gave the states
+  double error_rad() const { return error_rad_; }        ///< estimated, worst of the span
+  /// What ran. The tolerance is promised if the outcome is `done`, else nothing: how well two runs agree tells the
+  /// error only where it is not far below the tolerance.
+  MotionAccount account() const;
   double first_s() const { return first_s_; }                                ///< reached
   double last_s() const { return last_s_; }                                  ///< reached
   std::size_t steps() const;                                                 ///< kept
@@ -88,7 +97,8 @@ class TorquedMotion final : public FreeMotion {
   Path forward_, backward_;
   double first_s_ = 0.0, last_s_ = 0.0;
   Outcome outcome_ = Outcome::done;
-  std::string_view method_;
+  std::string method_;
+  double tolerance_rad_ = 0.0;
   double error_rad_ = 0.0;
   std::size_t evaluations_ = 0, kept_evaluations_ = 0, gradients_ = 0;
 };

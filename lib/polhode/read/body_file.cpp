@@ -296,10 +296,11 @@ void read_spin(const TomlTable& table, Body& body) {
 
 Body parse_body_file(std::string_view text, const std::string& path, const ContentOf& content_of) {
   const TomlTable root = TomlTable::parse(text, path);
-  root.allow_only({"name", "source", "inertia", "state", "spin"});
+  root.allow_only({"name", "source", "period_uncertainty", "inertia", "state", "spin"});
   Body body;
   body.name = root.text("name");
   body.source = root.optional_text("source").value_or("");
+  if (root.has("period_uncertainty")) body.period_uncertainty = root.positive_number("period_uncertainty");
   if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, path, content_of);
   if (root.has("state") && root.has("spin")) throw root.error("spin", "either [state] or [spin], not both");
   if (root.has("state")) body.state = read_state(root.table("state"), body);

@@ -206,13 +206,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   scene.accuracy_rad = root.located("accuracy", [&] { return parse_angle_rad(accuracy); });
   if (!(scene.accuracy_rad > 0.0))
     throw root.error("accuracy", fmt::format("found '{}', a positive angle is wanted", accuracy));
-  if (root.has("period_uncertainty")) {
-    scene.period_uncertainty = root.number("period_uncertainty");
-    if (!(*scene.period_uncertainty > 0.0)) {
-      throw root.error("period_uncertainty",
-                       fmt::format("found {}, a positive part of the period is wanted", *scene.period_uncertainty));
-    }
-  }
+  if (root.has("period_uncertainty")) scene.body.period_uncertainty = root.positive_number("period_uncertainty");
   const Orbits orbits = read_orbits(root, scene, folder, content_of);
   std::vector<Torque> torques;
   for (const TomlTable& table : root.tables("torque")) {

@@ -21,7 +21,6 @@ struct Scene {
   std::vector<std::string> torque_names;     ///< of each, its orbit's name included: "gravity gradient, earth"
   double first_s = 0.0, last_s = 0.0;        ///< from the body's epoch
   double accuracy_rad = 0.0;                 ///< wanted of the attitude
-  std::optional<double> period_uncertainty;  ///< as a part of the period
 };
 
 /// Whether the content, TOML with a line `accuracy = …` before its first table, is a scene and not a body.

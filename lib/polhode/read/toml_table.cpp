@@ -140,6 +140,12 @@ double TomlTable::number(std::string_view key) const {
   return finite_number(key, {*value});
 }
 
+double TomlTable::positive_number(std::string_view key) const {
+  const double found = number(key);
+  if (!(found > 0.0)) throw error(key, fmt::format("found {}, a positive number is wanted", found));
+  return found;
+}
+
 std::vector<double> TomlTable::numbers(std::string_view key, std::size_t count) const {
   const toml::node* value = node_->table->get(key);
   if (value == nullptr) throw error(key, fmt::format("this key is missing, a list of {} numbers is wanted", count));

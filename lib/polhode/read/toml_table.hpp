@@ -29,6 +29,7 @@ class TomlTable {
   std::string text(std::string_view key) const;
   std::optional<std::string> optional_text(std::string_view key) const;
   double number(std::string_view key) const;
+  double positive_number(std::string_view key) const;
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
   Vector3 vector3(std::string_view key) const;
   Matrix3 matrix3(std::string_view key) const;

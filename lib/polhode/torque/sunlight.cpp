@@ -25,6 +25,7 @@ Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
   for (const auto& corners : mesh.facets) {
     const Vector3 &a = mesh.vertices[corners[0]], &b = mesh.vertices[corners[1]], &c = mesh.vertices[corners[2]];
     facets.push_back({0.5 * (b - a).cross(c - a), (a + b + c) / 3.0});
+    largest_moment_m3_ += facets.back().area_m2.norm() * facets.back().centre_m.norm();
   }
   facets_ = std::make_shared<const std::vector<Facet>>(std::move(facets));
 }
@@ -45,11 +46,10 @@ Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
 }
 
 double Sunlight::largest_torque(double t_s) const {
-  double sum = 0.0;
-  for (const Facet& facet : *facets_) sum += facet.area_m2.norm() * facet.centre_m.norm();
   const double r2 = trajectory.state(t_s).position_m.squaredNorm();
   // The push of a facet is at most twice that of the light on it.
-  return 2.0 * kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
+  return 2.0 * kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) *
+         largest_moment_m3_;
 }
 
 }  // namespace polhode

@@ -38,6 +38,8 @@ class Sunlight {
   /// N m: no attitude feels more at time t.
   double largest_torque(double t_s) const;
 
+  std::size_t facet_count() const { return facets_->size(); }
+
   Trajectory trajectory;  ///< of the body, from the Sun
 
  private:
@@ -45,6 +47,7 @@ class Sunlight {
     Vector3 area_m2, centre_m;  // area times normal
   };
   std::shared_ptr<const std::vector<Facet>> facets_;
+  double largest_moment_m3_ = 0.0;  // sum over the facets of area times distance
   Surface surface_;
 };
 

@@ -44,6 +44,22 @@ double Torques::time_scale_s(double t_s) const {
   return scale_s;
 }
 
+bool Torques::smooth() const {
+  return std::none_of(torques_.begin(), torques_.end(),
+                      [](const Torque& torque) { return std::holds_alternative<Sunlight>(torque); });
+}
+
+double Torques::cost_of_evaluation() const {
+  constexpr double facets_per_gradient = 50.0;
+  double cost = 1.0;
+  for (const Torque& torque : torques_) {
+    if (const auto* sunlight = std::get_if<Sunlight>(&torque)) {
+      cost += static_cast<double>(sunlight->facet_count()) / facets_per_gradient;
+    }
+  }
+  return cost;
+}
+
 std::vector<Torques::Pull> Torques::pulls() const {
   std::vector<Pull> pulls;
   for (std::size_t i = 0; i < torques_.size(); ++i) {

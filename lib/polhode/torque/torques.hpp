@@ -83,6 +83,13 @@ class Torques {
   /// The other torques, with the same trajectories.
   Torques without_pulls() const;
 
+  /// Whether every torque is a smooth function of time and attitude. Sunlight on facets is not: where a facet comes
+  /// into the light or goes out of it, the torque has a kink.
+  bool smooth() const;
+
+  /// What one evaluation costs, in evaluations of a gravity gradient, roughly.
+  double cost_of_evaluation() const;
+
   bool empty() const { return torques_.empty(); }
   const std::vector<Trajectory>& trajectories() const { return trajectories_; }  ///< different ones
   const std::vector<Torque>& list() const { return torques_; }

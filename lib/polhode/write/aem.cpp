@@ -210,10 +210,16 @@ class Writer {
     comment(
         fmt::format("Frame B is the axes that the body's file names. The quaternion takes components from A to B;"));
     comment("a body turned by +90 deg about z of A has Q1 Q2 Q3 QC = 0 0 0.7071 0.7071.");
-    comment(fmt::format("Method: {}{}.", description.method,
-                        description.promised_error_rad
-                            ? fmt::format("; promised error of the rows {:.1e} rad", *description.promised_error_rad)
-                            : ""));
+    comment(fmt::format("Method: {}.", description.method));
+    if (description.promised_error_rad) {
+      comment(fmt::format("Promised error of the rows: {:.1e} rad ({}).", *description.promised_error_rad,
+                          description.error_meaning));
+    } else if (!description.error_meaning.empty()) {
+      comment(fmt::format("Error of the rows: {}.", description.error_meaning));
+    }
+    if (description.torque_evaluations)
+      comment(fmt::format("Torque evaluations: {}.", *description.torque_evaluations));
+    for (const std::string& caution : description.cautions) comment("Caution: " + caution + ".");
     if (description.tolerance_rad) {
       comment(
           fmt::format("Between rows, {}: within {:.3e} rad.", description.interpolation, *description.tolerance_rad));

@@ -87,6 +87,12 @@ class Fits {
     fits_write_key_dbl(file_, name, value, shortest_of_17_digits, comment, &status);
     check(status);
   }
+  /// LONGSTRN, by which readers know that texts may go on in CONTINUE cards.
+  void announce_long_texts() {
+    int status = 0;
+    fits_write_key_longwarn(file_, &status);
+    check(status);
+  }
   void flag(const char* name, bool value, const char* comment) {
     int status = 0;
     fits_write_key_log(file_, name, value ? 1 : 0, comment, &status);
@@ -154,6 +160,7 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
   const Seconds first = times.time(0, resolution);
   const Seconds last = times.time(times.size() - 1, resolution);
   constexpr int decimals = 9;
+  fits.announce_long_texts();
   fits.key("OBJECT", description.object, "body");
   fits.key("CREATOR", creator(), "program that wrote this file");
   fits.key("DATE", creation_date(), "when written, UTC");
@@ -174,6 +181,10 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
   if (description.promised_error_rad) {
     fits.key("MAXERR", *description.promised_error_rad, "[rad] promised error of the rows");
   }
+  if (!description.error_meaning.empty()) fits.key("ERRORIS", description.error_meaning, "what MAXERR covers");
+  if (description.torque_evaluations) {
+    fits.key("TORQEVAL", static_cast<double>(*description.torque_evaluations), "torque evaluations that it took");
+  }
   if (description.tolerance_rad) {
     fits.key("INTERPOL", description.interpolation, "between rows");
     fits.key("INTERERR", *description.tolerance_rad, "[rad] promised error of INTERPOL everywhere");
@@ -189,6 +200,7 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
     }
   }
   if (!description.source.empty()) fits.comment("Source of the body: " + description.source);
+  for (const std::string& caution : description.cautions) fits.comment("Caution: " + caution + ".");
   fits.comment(
       "QPARAM is passive: a body turned by +90 deg about z of frame A has QPARAM (0, 0, 0.7071, 0.7071) and its x axis "
       "along y of frame A. Its sign is continuous from row to row. OMEGA has components in frame B.");

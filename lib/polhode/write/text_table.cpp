@@ -58,6 +58,11 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
   meta("quaternion", yaml_quoted("scalar last, takes components from frame a to frame b, passive"));
   meta("method", yaml_quoted(description.method));
   if (description.promised_error_rad) meta("promised_error_rad", fmt::format("{}", *description.promised_error_rad));
+  if (!description.error_meaning.empty()) meta("error_meaning", yaml_quoted(description.error_meaning));
+  if (description.torque_evaluations) meta("torque_evaluations", fmt::format("{}", *description.torque_evaluations));
+  for (std::size_t i = 0; i < description.cautions.size(); ++i) {
+    meta(fmt::format("caution_{}", i + 1), yaml_quoted(description.cautions[i]));
+  }
   if (description.tolerance_rad) {
     meta("interpolation", yaml_quoted(description.interpolation));
     meta("interpolation_error_rad", fmt::format("{}", *description.tolerance_rad));

@@ -1,0 +1,28 @@
+#include "polhode/body/phase.hpp"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "polhode/time/duration_text.hpp"
+
+namespace polhode {
+
+double phase_horizon_s(const Vector3& omega_rad_s, double period_uncertainty, double angle_rad) {
+  return angle_rad / (omega_rad_s.norm() * period_uncertainty);
+}
+
+std::optional<std::string> phase_warning(const Body& body) {
+  if (!body.period_uncertainty || !body.state || !body.state->omega_named_rad_s) return std::nullopt;
+  const Vector3& omega_rad_s = *body.state->omega_named_rad_s;
+  if (!(omega_rad_s.norm() > 0.0)) return std::nullopt;
+  const auto after = [&](double angle_rad) {
+    return duration_text(phase_horizon_s(omega_rad_s, *body.period_uncertainty, angle_rad));
+  };
+  return fmt::format(
+      "the periods are known to {:g} of themselves: the phase of the rotation is uncertain by 1 deg {} from the epoch, "
+      "and is lost {} from it",
+      *body.period_uncertainty, after(std::numbers::pi / 180.0), after(std::numbers::pi));
+}
+
+}  // namespace polhode

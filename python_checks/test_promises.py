@@ -1,0 +1,97 @@
+"""What a file says ran, and what it promises, against what is true."""
+
+import numpy as np
+import pytest
+from astropy.io import fits
+from astropy.table import Table
+from support import (
+    ROOT,
+    TOUTATIS,
+    TOUTATIS_EPOCH,
+    angle_rad,
+    assert_within,
+    elapsed_tt,
+    propagate,
+    run,
+    times_of,
+    toutatis,
+)
+
+APOPHIS = ROOT / "data/bodies/apophis.toml"
+METHODS = [line.split()[0] for line in run("methods").stdout.splitlines() if line and not line[0].isspace()]
+EXACT = {"theta", "legendre"}
+
+
+def read(path):
+    header = fits.getheader(path, "ATTITUDE")
+    return header, np.asarray(Table.read(path, "ATTITUDE")["QPARAM"])[:, [3, 0, 1, 2]]
+
+
+@pytest.fixture(scope="module")
+def truth(tmp_path_factory):
+    """Attitudes of Toutatis over twenty days by Taylor series in multiprecision."""
+    out = propagate(TOUTATIS, tmp_path_factory.mktemp("truth") / "theta.fits", "--stop", "+20 d", "--count", "50")
+    times = times_of(Table.read(out, "ATTITUDE", astropy_native=True))
+    return toutatis().states(elapsed_tt(times, TOUTATIS_EPOCH))[0]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_says_its_name_and_keeps_its_promise(tmp_path, truth, method):
+    out = tmp_path / "out.fits"
+    result = run("propagate", TOUTATIS, "-o", out, "--stop", "+20 d", "--count", "50", "--method", method)
+    header, q = read(out)
+    assert header["METHOD"] == method and f"method {method}" in result.stderr
+    assert header["ERRORIS"]
+    errors = angle_rad(q, truth)
+    assert_within(errors, header["MAXERR"])
+    assert header["MAXERR"] <= 2 * errors.max() + 1e-11  # no excuse either
+    if method not in EXACT:
+        assert "measured" in header["ERRORIS"]
+
+
+def test_a_tolerance_needs_a_method_that_promises(tmp_path):
+    options = ("--stop", "+20 d", "--tolerance", "1e-9", "--method")
+    for method in METHODS:
+        out = tmp_path / f"{method}.fits"
+        result = run("propagate", TOUTATIS, "-o", out, *options, method, check=False)
+        assert (result.returncode, out.exists()) == ((0, True) if method in EXACT else (2, False)), result.stderr
+
+
+def test_a_body_says_when_its_periods_lose_the_phase(tmp_path):
+    """Apophis six years after the epoch: rows good to rounding, of a phase that is lost within weeks."""
+    for name in ("a.fits", "a.aem", "a.ecsv"):
+        out = tmp_path / name
+        result = run("propagate", APOPHIS, "-o", out, "--start", "+2190 d", "--stop", "+1 d", "--count", "3")
+        assert "rounding only" in result.stderr and "the phase of the rotation" in result.stderr
+        text = " ".join(str(c) for c in fits.getheader(out, 1)["COMMENT"]) if name == "a.fits" else out.read_text()
+        text = " ".join(text.replace("COMMENT", "").split())
+        assert "is lost" in text and " d from it" in text
+    assert "is lost" in run("info", APOPHIS).stdout
+    assert "is lost" in run("plan", ROOT / "data/scenes/apophis-2029.toml").stdout
+
+
+def test_what_ran_under_torques_is_what_the_file_says(tmp_path):
+    """The plan expects variation of constants; of this scene in full it is another method that ends up holding 1e-9."""
+    scene = (ROOT / "data/scenes/envisat-month.toml").read_text().replace("bodies/", f"{ROOT}/data/scenes/bodies/")
+    path = tmp_path / "envisat.toml"
+    path.write_text(scene.replace('"30 d"', '"4 d"'))
+    result = run("propagate", "--full", path, "-o", tmp_path / "full.fits", "--count", "9")
+    full, q_full = read(tmp_path / "full.fits")
+    assert f"method {full['METHOD']}, {full['TORQEVAL']:.0f} torque evaluations" in result.stderr
+    assert full["METHOD"] in ("variation", "extrapolation-double", "extrapolation") and full["MAXERR"] <= 1.1e-9
+    run("propagate", path, "-o", tmp_path / "planned.fits", "--count", "9")
+    planned, q_planned = read(tmp_path / "planned.fits")
+    assert planned["METHOD"] == "splitting, few kicks per turn"
+    assert_within(angle_rad(q_planned, q_full), planned["MAXERR"] + full["MAXERR"])
+    assert planned["TORQEVAL"] < full["TORQEVAL"]
+
+
+@pytest.mark.parametrize("accuracy", ["1e-17 rad", "1e-14 rad"])
+def test_an_accuracy_below_rounding_is_refused(tmp_path, accuracy):
+    scene = (ROOT / "data/scenes/spin-up.toml").read_text().replace("bodies/", f"{ROOT}/data/scenes/bodies/")
+    start = scene.index("accuracy")
+    line = scene[start : scene.index("\n", start)]
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.replace(line, f'accuracy = "{accuracy}"'))
+    result = run("propagate", path, "-o", tmp_path / "a.fits", check=False)
+    assert result.returncode in (1, 2) and not (tmp_path / "a.fits").exists()
