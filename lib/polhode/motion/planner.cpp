@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kMotionShare = 0.75;  // of the accuracy; the rest is for interpolation between rows
-constexpr double kMostPushes = 3e6;    // steps along the span in which the bound of a torque is summed: about a second
+constexpr double kMostPushes = 2e6;    // steps along the span in which the bound of a torque is summed: a second or two
 // Two trials, the second three times as long as the first, tell the cost of the whole span where its surroundings are
 // as steady as this and the two agree as well as this. Held by Planner.PredictsItsCostOrSaysThatItCannot.
 constexpr double kShorterTrial = 0.02, kLongerTrial = 0.08;                      // of the span
@@ -30,7 +30,7 @@ constexpr double kRounding_rad = 16.0 * std::numeric_limits<double>::epsilon(); 
 constexpr double kSteady = 1.3;
 constexpr double kTrialsAgree = 1.25;
 constexpr double kTrialMargin = 0.05;  // of the tolerance, that its error over the part may grow to over the whole
-constexpr double kMostOfSpan = 0.3;   // a longer trial may as well be the whole
+constexpr double kMostOfSpan = 0.3;    // a longer trial may as well be the whole
 constexpr double kNearRounding = 0.02;
 
 template <class... Cases>
@@ -142,6 +142,16 @@ Push largest_push(const Torque& torque, const FreeBody& body, double end_s, cons
   std::sort(stops_s.begin(), stops_s.end());
   Push push;
   double gone_s = 0.0, pushes = 0.0;
+  const auto largest_at = [&](double away_s) {
+    const double largest = largest_torque(torque, direction * away_s, body);
+    if (!std::isfinite(largest)) {
+      throw InputError(fmt::format("{}: the largest torque at {} s is {}; a finite one is wanted", torque_name(torque),
+                                   direction * away_s, largest));
+    }
+    return largest;
+  };
+  const bool is_pulse = std::holds_alternative<ThrusterPulse>(torque);  // constant between its stops: its middle counts
+  double at_begin = is_pulse ? 0.0 : largest_at(0.0);
   for (const double stop_s : stops_s) {
     while (gone_s < stop_s) {
       const double step_s = std::min({0.02 * alone.time_scale_s(direction * gone_s), stop_s - gone_s, quick_s});
@@ -151,20 +161,13 @@ Push largest_push(const Torque& torque, const FreeBody& body, double end_s, cons
             torque_name(torque), length_s, direction * gone_s, 50.0 * step_s));
       }
       const double next_s = step_s < stop_s - gone_s ? gone_s + step_s : stop_s;
-      // The larger of the ends, and 5 % for what may lie between them (r changes by 2 % in a step). A pulse is constant
-      // between its stops, so that its middle counts.
-      const double largest = std::holds_alternative<ThrusterPulse>(torque)
-                                 ? largest_torque(torque, direction * 0.5 * (gone_s + next_s), body)
-                                 : 1.05 * std::max(largest_torque(torque, direction * gone_s, body),
-                                                   largest_torque(torque, direction * next_s, body));
-      if (!std::isfinite(largest)) {
-        throw InputError(fmt::format("{}: the largest torque at {} s is {}; a finite one is wanted",
-                                     torque_name(torque), direction * gone_s, largest));
-      }
-      const double impulse = largest * (next_s - gone_s);
+      const double at_end = largest_at(is_pulse ? 0.5 * (gone_s + next_s) : next_s);
+      // The larger of the ends, and 5 % for what may lie between them: r changes by 2 % in a step.
+      const double impulse = (is_pulse ? at_end : 1.05 * std::max(at_begin, at_end)) * (next_s - gone_s);
       push.impulse += impulse;
       push.turned_rad += impulse / momentum * sensitivity.after(length_s - gone_s);
       gone_s = next_s;
+      at_begin = at_end;
     }
   }
   return push;
@@ -240,21 +243,23 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
     return motion.account();
   };
   const MotionAccount second = trial(longest);
+  const std::string part =
+      longest == 1.0 ? "the whole span" : fmt::format("the first {:.1f} % of the span", 100.0 * longest);
   plan.model = second.method;
   plan.why = fmt::format("steps chosen for {:.1e} rad", plan.tolerance_rad);
   if (second.torque_evaluations >= most) {
-    plan.cost_why = fmt::format("a trial over the first {:.2g} % was ended after {} torque evaluations",
-                                100.0 * longest, second.torque_evaluations);
+    plan.cost_why =
+        fmt::format("a trial over {} was ended after {} torque evaluations", part, second.torque_evaluations);
     return;
   }
   const auto evaluations = static_cast<double>(second.torque_evaluations);
   if (longest == 1.0) {
     plan.torque_evaluations = evaluations;
-    plan.cost_why = "from a trial over the whole span";
+    plan.cost_why = "from a trial over " + part;
     return;
   }
-  const std::string at_least = fmt::format("a trial over the first {:.2g} % took {} torque evaluations, but ",
-                                           100.0 * longest, second.torque_evaluations);
+  const std::string at_least =
+      fmt::format("a trial over {} took {} torque evaluations, but ", part, second.torque_evaluations);
   if (unsteadiness(plan.kept, first_s, last_s) > kSteady || !plan.kept.jumps_s().empty()) {
     plan.cost_why = at_least + "the surroundings change over the span";
     return;
@@ -274,7 +279,7 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
     return;
   }
   plan.torque_evaluations = evaluations / longest;
-  plan.cost_why = fmt::format("from trials over the first {:.2g} %", 100.0 * longest);
+  plan.cost_why = "from trials over " + part;
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ struct Plan {
 
 /// Torque evaluations that plans and propagations may take unless the caller allows more: some seconds of work. An
 /// evaluation of a torque on many facets counts for several (Torques::cost_of_evaluation()).
-constexpr std::size_t kMostTorqueEvaluations = 10'000'000;
+constexpr std::size_t kMostTorqueEvaluations = 4'000'000;
 /// The same where every effect was asked for, at 1e-9 rad: a minute and more.
 constexpr std::size_t kMostTorqueEvaluationsInFull = 100'000'000;
 
@@ -59,7 +59,7 @@ constexpr std::size_t kMostTorqueEvaluationsInFull = 100'000'000;
 /// it serves. Nothing kept: the exact free motion.
 ///
 /// Throws InputError for an accuracy or a span that is none, for a torque whose bound over the span is not finite,
-/// where the surroundings change too often in the span to be followed in 3 million steps, and for an accuracy that the
+/// where the surroundings change too often in the span to be followed in 2 million steps, and for an accuracy that the
 /// rounding of the free motion over the span leaves no room for.
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
                  bool full = false);
