@@ -602,5 +602,61 @@ TEST(TorquedMotion, EmptySpanIsTheStart) {
   EXPECT_LT(distance(motion.at(0.0), {body.q_inertial_from_body, body.momentum_body}), 1e-15);
 }
 
+/// A prism of nine sides with pointed ends, 36 facets, off its centre of mass.
+TriangleMesh prism() {
+  TriangleMesh mesh;
+  constexpr unsigned sides = 9;
+  for (const double end : {1.0, -1.0}) {
+    for (unsigned i = 0; i < sides; ++i) {
+      const double a = 2.0 * std::numbers::pi * static_cast<double>(i) / sides;
+      mesh.vertices.emplace_back((1.7 + 0.3 * end) * std::cos(a) + 0.4, 1.2 * std::sin(a) - 0.1,
+                                 1.3 * end + 0.2 * std::cos(2.0 * a));
+    }
+  }
+  mesh.vertices.emplace_back(0.5, -0.2, 2.2);
+  mesh.vertices.emplace_back(0.3, 0.0, -1.9);
+  for (unsigned i = 0; i < sides; ++i) {
+    const unsigned j = (i + 1) % sides;
+    mesh.facets.push_back({i, j, 2 * sides});
+    mesh.facets.push_back({sides + j, sides + i, 2 * sides + 1});
+    mesh.facets.push_back({i, sides + i, sides + j});
+    mesh.facets.push_back({i, sides + j, j});
+  }
+  return mesh;
+}
+
+TEST(Torqued, FacetsPromiseWhatTheirKinksLetThemReach) {
+  const Vector3 moments(1000, 1500, 1900), omega(0.3 / 57.3, 0.2 / 57.3, 0.8 / 57.3);
+  const FreeBody body{moments, Quaternion(1.0, 0.2, 0.3, 0.1), moments.cwiseProduct(omega)};
+  const Torques torques(
+      {Sunlight(prism(), {0.3, 0.5}, KeplerElements{1.327e20, 1.47e11, 0.0167, 0.0, {1, 0, 0}, {0, -0.4, 0.917}})});
+  EXPECT_FALSE(torques.smooth());
+  constexpr double last_s = 20000.0;
+#ifdef NDEBUG
+  const std::vector<double> tolerances_rad{1e-4, 1e-5, 3e-6};
+  const double finest_rad = 1e-8;
+#else  // for its time
+  const std::vector<double> tolerances_rad{1e-3, 1e-4};
+  const double finest_rad = 3e-6;
+#endif
+  const TorquedMotion truth(body, torques, {finest_rad, 0.0, last_s, "extrapolation-double"});
+  ASSERT_LT(truth.error_rad(), 10.0 * finest_rad);
+  for (const double tolerance_rad : tolerances_rad) {
+    const TorquedMotion motion(body, torques, {tolerance_rad, 0.0, last_s});
+    double worst = 0.0;
+    for (int i = 0; i <= 100; ++i) {
+      const double t_s = last_s * i / 100.0;
+      worst =
+          std::max(worst, rotation_angle_rad(motion.at(t_s).q_inertial_from_body, truth.at(t_s).q_inertial_from_body));
+    }
+    std::printf("facets to %g rad: %s, off by %.1e, two runs differ by %.1e\n", tolerance_rad,
+                std::string(outcome_name(motion.outcome())).c_str(), worst, 0.25 * motion.error_rad());
+    EXPECT_LE(worst, motion.error_rad() + truth.error_rad());
+    ASSERT_EQ(motion.outcome(), Outcome::done);
+    EXPECT_LE(worst, tolerance_rad + truth.error_rad());
+    EXPECT_EQ(motion.account().max_error_rad, tolerance_rad);
+  }
+}
+
 }  // namespace
 }  // namespace polhode
