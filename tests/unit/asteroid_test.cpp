@@ -1,6 +1,7 @@
 // Spin states of asteroids as published: periods to energy, DAMIT, SHAPE, and the body file's tables for them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -70,7 +71,95 @@ TEST(SpinSolution, IsTheInverseOfThePeriods) {
           .size(),
       2U);
   EXPECT_THROW(published_energy({0.64, 0.97, 1.0}, 27.38547, 30.0), InputError);
-  EXPECT_THROW(published_energy({0.9, 0.9, 1.0}, 27.0, 260.0), InputError);
+  EXPECT_THROW(published_energy({0.9, 0.9, 0.9}, 27.0, 260.0), InputError);
+}
+
+// Along the symmetry axis I_s, across it I_t: dphi/dt = L/I_t, |dpsi/dt| = L cos(theta) |1/I_s - 1/I_t|.
+TEST(SpinSolution, SymmetricBodiesMoveByTheirDefiningEquations) {
+  struct Case {
+    Vector3 moments;
+    AxisConvention convention;
+    int symmetry_axis;
+    double precession_s, rotation_s;
+  };
+  const double slender = 35.0 * 35.0, thick = 0.5 * (230.0 * 230.0 + slender);
+  for (const Case& c : {Case{{slender, thick, thick}, AxisConvention::long_axis, 0, 8.67 * 3600.0, 54.48 * 3600.0},
+                        Case{{1.0, 1.5, 1.5}, AxisConvention::long_axis, 0, 10.0, 21.0},
+                        Case{{2.0, 2.0, 3.0}, AxisConvention::short_axis, 2, 10.0, 31.0},
+                        Case{{2.0, 2.0, 2.1}, AxisConvention::short_axis, 2, 10.0, 1000.0}}) {
+    const Inertia inertia = inertia_from_moments(c.moments, false);
+    const std::vector<SpinSolution> solutions =
+        solve_periods(inertia, {c.convention, c.precession_s, c.rotation_s, std::nullopt});
+    ASSERT_EQ(solutions.size(), 1U);
+    const SpinSolution& s = solutions[0];
+    EXPECT_EQ(s.long_axis_mode, c.symmetry_axis == 0);
+    const double along = c.moments[c.symmetry_axis], across = c.moments[1];
+    const double cosine = s.momentum_at_psi_zero[c.symmetry_axis] / s.momentum;
+    EXPECT_NEAR(2.0 * std::numbers::pi * across / s.momentum, c.precession_s, 1e-13 * c.precession_s);
+    EXPECT_NEAR(2.0 * std::numbers::pi / (s.momentum * cosine * std::abs(1.0 / along - 1.0 / across)), c.rotation_s,
+                1e-12 * c.rotation_s);
+    EXPECT_NEAR(s.momentum_at_psi_zero.norm(), s.momentum, 1e-14 * s.momentum);
+    const Vector3 omega = s.momentum_at_psi_zero.cwiseQuotient(c.moments);
+    EXPECT_NEAR(omega.dot(s.momentum_at_psi_zero) * c.moments[2] / (s.momentum * s.momentum), s.energy, 1e-14);
+    const SpinInvariants spin = spin_invariants(inertia, s.momentum_at_psi_zero);
+    EXPECT_NEAR(*spin.polhode_period_s, c.rotation_s, 1e-12 * c.rotation_s);
+    // Any psi: theta stays.
+    for (const double psi : {0.0, 0.7, 2.0}) {
+      const EulerState state = state_at(inertia, c.convention, s, 0.3, psi, false);
+      EXPECT_NEAR(std::cos(state.theta_rad), cosine, 1e-12);
+      EXPECT_NEAR(state.momentum_principal[c.symmetry_axis], s.momentum * cosine, 1e-12 * s.momentum);
+    }
+  }
+}
+
+TEST(SpinSolution, WhatSymmetricBodiesCannotDoIsRefused) {
+  const auto fault = [](const Vector3& moments, AxisConvention convention, double ratio,
+                        std::optional<bool> long_mode) {
+    try {
+      solve_periods(inertia_from_moments(moments, false), {convention, 1.0, ratio, long_mode});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(fault({1.0, 1.5, 1.5}, AxisConvention::long_axis, 1.9, {}).find("it is 2 / cos(theta)"), std::string::npos);
+  EXPECT_NE(fault({1.0, 1.5, 1.5}, AxisConvention::long_axis, 2.5, false).find("long-axis mode only"),
+            std::string::npos);
+  EXPECT_NE(fault({2.0, 2.0, 3.0}, AxisConvention::short_axis, 3.5, true).find("short-axis mode only"),
+            std::string::npos);
+  EXPECT_NE(fault({2.0, 2.0, 2.0}, AxisConvention::short_axis, 3.5, {}).find("sphere"), std::string::npos);
+  EXPECT_EQ(fault({2.0, 2.0, 3.0}, AxisConvention::short_axis, 3.5, {}), "accepted");
+}
+
+// The axis that precesses need not be the symmetry axis: then the periods are those that info gives.
+TEST(SpinSolution, SymmetricBodiesByTheirOtherAxis) {
+  for (const bool prolate : {true, false}) {
+    const Inertia inertia = inertia_from_moments(prolate ? Vector3(1.0, 1.5, 1.5) : Vector3(2.0, 2.0, 3.0), false);
+    const SpinInvariants spin = spin_invariants(inertia, {0.6, 0.0, 0.8});
+    const AxisConvention convention = prolate ? AxisConvention::short_axis : AxisConvention::long_axis;
+    const AxisMotion& axis = prolate ? *spin.short_axis : *spin.long_axis;
+    const auto found = solve_periods(inertia, {convention, axis.precession_period_s, *spin.polhode_period_s, {}});
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_NEAR(found[0].momentum, 1.0, 1e-9);
+    EXPECT_NEAR(found[0].energy, 1.0 + spin.energy_above_ground, 1e-9);
+  }
+}
+
+TEST(BodyFile, OumuamuaAsASymmetricBody) {
+  const Body body = parse_body_file(
+      "name='1I'\n[inertia]\nsemi_axes=[230,35,35]\n[spin]\nepoch='JD 2458051.5 UTC'\nframe='ECLIPJ2000'\n"
+      "unit='deg'\nlambda=20\nbeta=30\nconvention='long-axis'\nP_phi=8.67\nP_psi=54.48\nperiod_unit='h'\nphi0=10\n"
+      "psi0=40\ntheta0=89\n",
+      "b");
+  const SpinInvariants spin = spin_invariants(*body.inertia, momentum_principal(body));
+  EXPECT_NEAR(spin.long_axis->precession_period_s / 3600.0, 8.67, 1e-11);
+  EXPECT_NEAR(*spin.polhode_period_s / 3600.0, 54.48, 1e-9);
+  EXPECT_NEAR(spin.long_axis->least_angle_rad / degree, std::acos(2450.0 / (54125.0 - 2450.0) * 8.67 / 54.48) / degree,
+              1e-9);
+  const bool has_angle = std::any_of(body.notes.begin(), body.notes.end(), [](const std::string& note) {
+    return note.find("residual +0.57 deg") != std::string::npos;
+  });
+  EXPECT_TRUE(has_angle);
 }
 
 TEST(AsteroidFiles, DamitPrincipalAxis) {

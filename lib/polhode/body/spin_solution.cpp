@@ -68,14 +68,49 @@ std::optional<double> solve(const Inertia& inertia, AxisConvention convention, c
   return mode.excess(0.5 * (low + high));
 }
 
+/// The motion of a symmetric body whose periods follow its symmetry axis s, t being any axis across: with the angle
+/// theta from L to s, constant, phi turns at L / It and psi at L cos(theta) (1/Is - 1/It).
+SpinSolution about_symmetry_axis(const Inertia& inertia, const PublishedPeriods& periods, bool prolate) {
+  const Vector3& moments = inertia.principal_moments;
+  const double along = prolate ? moments[0] : moments[2];
+  const double across = moments[1];
+  const double wanted = periods.rotation_period_s / periods.precession_period_s;
+  const double least = along / std::abs(across - along);
+  const double cosine = least / wanted;
+  if (!(cosine < 1.0)) {
+    throw InputError(fmt::format(
+        "P_psi / P_phi = {:.6g} does not occur with these moments of inertia: for a symmetric body it is {:.6g} / "
+        "cos(theta)",
+        wanted, least));
+  }
+  const double sine_squared = (1.0 - cosine) * (1.0 + cosine);
+  SpinSolution s;
+  s.long_axis_mode = prolate;
+  s.energy = 1.0 + (prolate ? cosine * cosine * (across - along) / along : sine_squared * (along - across) / across);
+  s.separatrix_distance = 1.0;
+  s.momentum = 2.0 * std::numbers::pi * across / periods.precession_period_s;
+  const double sine = std::sqrt(sine_squared);
+  s.momentum_at_psi_zero = s.momentum * (prolate ? Vector3(cosine, 0.0, sine) : Vector3(sine, 0.0, cosine));
+  return s;
+}
+
 }  // namespace
 
 std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedPeriods& periods) {
   const Vector3& moments = inertia.principal_moments;
-  if (!(moments[0] < moments[1] && moments[1] < moments[2])) {
-    throw InputError("two periods determine a motion only if the three moments of inertia differ");
+  if (moments[0] == moments[2]) {
+    throw InputError("all moments of inertia are equal: a sphere turns about a fixed axis and has one period only");
   }
   if (!(periods.rotation_period_s > 0.0 && periods.precession_period_s > 0.0)) throw InputError("periods are positive");
+  const bool prolate = moments[1] == moments[2];
+  const bool symmetric = prolate || moments[0] == moments[1];
+  if (symmetric && periods.long_axis_mode.value_or(prolate) != prolate) {
+    throw InputError(fmt::format("a body with two equal moments of inertia, the {} ones, tumbles in {}-axis mode only",
+                                 prolate ? "larger" : "smaller", prolate ? "long" : "short"));
+  }
+  if (symmetric && (periods.convention == AxisConvention::long_axis) == prolate) {
+    return {about_symmetry_axis(inertia, periods, prolate)};
+  }
   const double wanted = periods.rotation_period_s / periods.precession_period_s;
   const std::array<Mode, 2> modes{{{false, 0.0, moments[2] / moments[1] - 1.0},
                                    {true, moments[2] / moments[0] - 1.0, moments[2] / moments[1] - 1.0}}};
@@ -83,6 +118,7 @@ std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedP
   std::string ranges;
   for (const Mode& mode : modes) {
     if (periods.long_axis_mode && *periods.long_axis_mode != mode.long_axis) continue;
+    if (mode.calm == mode.separatrix) continue;  // a symmetric body has one mode
     std::array<double, 2> range{};
     const std::optional<double> excess = solve(inertia, periods.convention, mode, wanted, range);
     ranges += fmt::format("{}{:.4g} to {:.4g} in {}-axis mode", ranges.empty() ? "" : ", ", range[0], range[1],
@@ -134,6 +170,7 @@ EulerState state_at(const Inertia& inertia, AxisConvention convention, const Spi
   Matrix3 convention_from_principal = Matrix3::Zero();
   for (int k = 0; k < 3; ++k) convention_from_principal(k, axes[static_cast<std::size_t>(k)]) = 1.0;
   EulerState state;
+  state.theta_rad = theta;
   state.q_momentum_from_principal = (q_momentum_from_convention * Quaternion(convention_from_principal)).normalized();
   state.momentum_principal = motion.momentum * (state.q_momentum_from_principal.conjugate() * Vector3::UnitZ());
   return state;

@@ -31,14 +31,15 @@ struct SpinSolution {
 };
 
 /// The motions that have these periods: energies at which P_psi / P_phi is as given, and the size of L from P_psi. One,
-/// or one in each mode (short-axis mode first) if the mode is not given. The moments are those of a triaxial body.
-/// Throws InputError where no energy has that ratio, naming the range.
+/// or one in each mode (short-axis mode first) if the mode is not given; a symmetric body has one mode. Throws
+/// InputError where no energy has that ratio, naming the range, and for spheres.
 std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedPeriods& periods);
 
 /// A free rotation's state in its principal axes.
 struct EulerState {
   Quaternion q_momentum_from_principal;  ///< from principal axes to axes with z along L
   Vector3 momentum_principal;
+  double theta_rad = 0.0;  ///< between L and the convention's axis
 };
 
 /// The state at angles phi, psi (rad) of the convention; theta follows from the energy: that below 90 deg, or the other

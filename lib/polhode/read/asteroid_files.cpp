@@ -159,8 +159,11 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
   const EulerState at = state_at(inertia, convention, motion, degree * *spin.phi0_deg, degree * *spin.psi0_deg, above);
   if (spin.theta0_deg) {
     const double energy = energy_at(inertia, convention, degree * *spin.theta0_deg, degree * *spin.psi0_deg);
-    body.notes.push_back(fmt::format("theta0 and psi0 give E/E0 = {:.7g}: residual {:+.2g}; the periods are followed",
-                                     energy, motion.energy - energy));
+    const double theta_deg = at.theta_rad / degree;
+    body.notes.push_back(fmt::format(
+        "theta0 and psi0 give E/E0 = {:.7g}: residual {:+.2g}; the periods are followed, theta is {:.6g} deg: "
+        "residual {:+.2g} deg",
+        energy, motion.energy - energy, theta_deg, theta_deg - std::abs(*spin.theta0_deg)));
   } else {
     body.warnings.emplace_back("theta0 is not given: of the two angles with this energy that below 90 deg is taken");
   }
