@@ -88,6 +88,20 @@ Ephemeris spinning(TimeGrid times) {
   return {std::move(description), body, Frame::icrf, std::move(times), spin};
 }
 
+TEST(TimeGrid, ADayHasAsManyStepsInEveryScale) {
+  for (const char* date : {"2000-04-01", "2000-07-01", "2000-10-01"}) {
+    const Instant start = parse_date(date, TimeScale::tt);
+    for (const TimeScale scale : {TimeScale::tt, TimeScale::utc, TimeScale::tdb, TimeScale::et}) {
+      const auto rows = [&](double span_s, double step_s) {
+        return TimeGrid::with_step(start, start + Seconds{span_s, 0.0}, {step_s, 0.0}, scale).size();
+      };
+      EXPECT_EQ(rows(86400.0, 10.0), 8641U) << date;
+      EXPECT_EQ(rows(86400.0 * 60, 1.0), 86400U * 60 + 1) << date;
+      EXPECT_EQ(rows(86399.9, 10.0), 8640U) << date;
+    }
+  }
+}
+
 TEST(TimeGrid, StepIncludesStopWhereItIsHit) {
   const TimeGrid grid =
       TimeGrid::with_step(tdb("2000-01-01T06:00:00"), tdb("2000-01-01T07:00:00"), {0.1, 0.0}, TimeScale::tdb);

@@ -64,5 +64,19 @@ TEST(Frames, NamesGoRoundAndAliasesAreKnown) {
   EXPECT_THROW(q_icrf_from(Frame::teme), InputError);
 }
 
+TEST(Frames, AnEarthOrientationThatCannotBeIsRefused) {
+  const Instant now = parse_date("2020-06-01T00:00:00", TimeScale::utc);
+  const Instant early = parse_date("1900-01-01T00:00:00", TimeScale::utc);
+  const double nan = std::nan("");
+  for (const EarthOrientation& earth :
+       {EarthOrientation{nan, 0.0, 0.0}, EarthOrientation{1e300, 0.0, 0.0}, EarthOrientation{-69.2, 0.0, 0.0},
+        EarthOrientation{0.0, nan, 0.0}, EarthOrientation{0.0, 0.0, 150.0}}) {
+    EXPECT_THROW(q_icrf_from(Frame::itrf, now, earth), InputError);
+  }
+  EXPECT_THROW(q_icrf_from(Frame::itrf, early, {1e300, 0.0, 0.0}), InputError);
+  EXPECT_NO_THROW(q_icrf_from(Frame::itrf, now, {-0.9, 0.3, 0.3}));
+  EXPECT_NO_THROW(q_icrf_from(Frame::itrf, early, {30.0, 0.0, 0.0}));
+}
+
 }  // namespace
 }  // namespace polhode

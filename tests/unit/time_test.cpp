@@ -107,6 +107,10 @@ TEST(Time, ATableOfLeapSecondsCanBeGiven) {
   longer.back().year = 2016;
   EXPECT_THROW(set_leap_seconds(longer), InputError);
   EXPECT_THROW(set_leap_seconds({}), InputError);
+  longer.back() = {2035, 7, -12.0};
+  EXPECT_THROW(set_leap_seconds(longer), InputError);
+  longer.back().tai_minus_utc_s = known.back().tai_minus_utc_s + 0.5;
+  EXPECT_THROW(set_leap_seconds(longer), InputError);
 }
 
 TEST(Time, BadDatesAreRefused) {

@@ -30,8 +30,9 @@ struct TimeResolution {
 /// that begins the scale's day of the first row. In UTC these are elapsed SI seconds: leap seconds count, as in FITS.
 class TimeGrid {
  public:
-  /// start, start + step, … as far as stop, which is included where it is hit within a millionth of the step. Throws
-  /// InputError unless step > 0 and start <= stop.
+  /// start, start + step, … as far as stop, which is included where it is hit within a millionth of the step, or in
+  /// another time scale: the swing of TDB about TT (4 ms at most, and a hundredth of the step) keeps no row away.
+  /// Throws InputError unless step > 0 and start <= stop.
   static TimeGrid with_step(Instant start, Instant stop, Seconds step, TimeScale scale);
 
   /// `count` >= 1 times, equally spaced from start to a later stop, both included; one is start alone.

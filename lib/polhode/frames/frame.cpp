@@ -8,6 +8,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <initializer_list>
 
 #include "polhode/base/error.hpp"
 #include "polhode/time/scale.hpp"
@@ -37,6 +38,22 @@ constexpr std::array<NamedFrame, 16> frame_names{{{"ICRF", Frame::icrf},
                                                   {"ITRF", Frame::itrf},
                                                   {"ITRS", Frame::itrf}}};
 
+// The frame of that name, if it is inertial or among `others`.
+Frame named_frame(std::string_view text, const char* what, std::initializer_list<Frame> others) {
+  std::string upper(text);
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  for (const NamedFrame& entry : frame_names) {
+    const bool allowed =
+        is_inertial(entry.frame) || std::find(others.begin(), others.end(), entry.frame) != others.end();
+    if (entry.name == upper && allowed) return entry.frame;
+  }
+  std::string more;
+  for (const Frame other : others) more += fmt::format(", {}", name(other));
+  throw InputError(fmt::format(
+      "'{}' is not {}; allowed: ICRF (or J2000, ICRS), GCRF, EME2000, ECLIPJ2000, ECLIPIAU2006{}", text, what, more));
+}
+
 // An ERFA matrix takes components in ICRF to components in the frame: q is of its transpose.
 Quaternion q_icrf_from_matrix(const double (&frame_from_icrf)[3][3]) {
   Matrix3 icrf_from_frame;
@@ -55,6 +72,22 @@ JulianPair julian_tt(Instant instant) {
   return {ERFA_DJM0 + date.day, date.fraction};
 }
 
+// The Earth's orientation within what it can be: a number in another unit, or UT1 - TT, is far beyond.
+void check(const EarthOrientation& earth, Instant instant) {
+  constexpr double most_pole_arcsec = 1.0;
+  if (!(std::abs(earth.pole_x_arcsec) <= most_pole_arcsec && std::abs(earth.pole_y_arcsec) <= most_pole_arcsec)) {
+    throw InputError(fmt::format("polar motion is ({:g}, {:g}) arcsec; at most {:g} arcsec in size is allowed",
+                                 earth.pole_x_arcsec, earth.pole_y_arcsec, most_pole_arcsec));
+  }
+  constexpr double most_where_utc_is_kept_s = 1.0;
+  constexpr double most_s = 86400.0;
+  const double size_s = std::abs(earth.ut1_minus_utc_s);
+  if (size_s <= most_where_utc_is_kept_s || (size_s <= most_s && utc_doubt(instant))) return;
+  throw InputError(fmt::format(
+      "UT1 - UTC is {:g} s; at most {:g} s in size is allowed (a day before 1960 and where no leap seconds are known)",
+      earth.ut1_minus_utc_s, most_where_utc_is_kept_s));
+}
+
 // UT1 = UTC + dUT1 as a Julian pair; the reading of UTC on a leap second's day is stretched by ERFA's convention.
 JulianPair julian_ut1(Instant instant, const EarthOrientation& earth) {
   const ModifiedJulianDate utc = modified_julian_date(instant, TimeScale::utc);
@@ -71,17 +104,11 @@ std::string_view name(Frame frame) {
   return std::find_if(frame_names.begin(), frame_names.end(), [&](const auto& e) { return e.frame == frame; })->name;
 }
 
-Frame frame(std::string_view name) {
-  std::string upper(name);
-  std::transform(upper.begin(), upper.end(), upper.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
-  for (const NamedFrame& entry : frame_names) {
-    if (entry.name == upper) return entry.frame;
-  }
-  throw InputError(fmt::format(
-      "'{}' is not a frame; allowed: ICRF (or J2000, ICRS), GCRF, EME2000, ECLIPJ2000, ECLIPIAU2006, TEME, ITRF",
-      name));
-}
+Frame frame(std::string_view name) { return named_frame(name, "a frame", {Frame::teme, Frame::itrf}); }
+
+Frame inertial_frame(std::string_view name) { return named_frame(name, "an inertial frame", {}); }
+
+Frame frame_of_state(std::string_view name) { return named_frame(name, "a frame for a state", {Frame::teme}); }
 
 bool is_inertial(Frame frame) { return frame != Frame::teme && frame != Frame::itrf; }
 
@@ -96,6 +123,7 @@ Quaternion q_icrf_from(Frame frame) {
 }
 
 Quaternion q_icrf_from(Frame frame, Instant instant, const EarthOrientation& earth) {
+  check(earth, instant);
   switch (frame) {
     case Frame::icrf:
     case Frame::gcrf:

@@ -2,8 +2,7 @@
 
 #include <erfa.h>
 #include <erfaextra.h>
-
-#include <string>
+#include <fmt/format.h>
 
 #include "polhode/base/error.hpp"
 
@@ -39,9 +38,13 @@ void set_leap_seconds(const std::vector<LeapSecond>& table) {
   for (const LeapSecond& entry : table) {
     const eraLEAPSECOND& last = next.back();
     if (entry.month < 1 || entry.month > 12 || entry.year * 12 + entry.month <= last.iyear * 12 + last.month) {
-      throw InputError("leap seconds must ascend, one a month at most: found " + std::to_string(entry.year) + "-" +
-                       std::to_string(entry.month) + " after " + std::to_string(last.iyear) + "-" +
-                       std::to_string(last.month));
+      throw InputError(fmt::format("leap seconds must ascend, one a month at most: found {}-{:02} after {}-{:02}",
+                                   entry.year, entry.month, last.iyear, last.month));
+    }
+    const double step_s = entry.tai_minus_utc_s - last.delat;
+    if (&entry != table.data() && step_s != 1.0 && step_s != -1.0) {
+      throw InputError(fmt::format("a leap second changes TAI - UTC by 1 s: found {} s at {}-{:02} after {} s",
+                                   entry.tai_minus_utc_s, entry.year, entry.month, last.delat));
     }
     next.push_back({entry.year, entry.month, entry.tai_minus_utc_s});
   }

@@ -14,8 +14,9 @@ struct LeapSecond {
 /// The table in use from 1972 on: ERFA's own until set_leap_seconds.
 std::vector<LeapSecond> leap_seconds();
 
-/// Replaces the table from 1972 on, for the whole process (ERFA keeps it). The entries ascend and start with
-/// 1972-01 = 10 s, else InputError. Call it before anything is converted; it is not safe beside other threads.
+/// Replaces the table from 1972 on, for the whole process (ERFA keeps it). The entries ascend, start with 1972-01 = 10
+/// s and go on by 1 s at a time, up or down, else InputError. Call it before anything is converted; it is not safe
+/// beside other threads.
 void set_leap_seconds(const std::vector<LeapSecond>& table);
 
 }  // namespace polhode

@@ -34,6 +34,8 @@ constexpr std::array<NamedScale, 7> scale_names{{{"TT", TimeScale::tt},
                                                  {"ET", TimeScale::et},
                                                  {"TDT", TimeScale::tt}}};
 
+constexpr std::string_view scales_allowed = "TT, TAI, UTC, TDB, GPS, ET";
+
 bool same_letters(std::string_view a, std::string_view b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
     return std::toupper(static_cast<unsigned char>(x)) == std::toupper(static_cast<unsigned char>(y));
@@ -333,7 +335,7 @@ std::string_view name(TimeScale scale) {
 
 TimeScale time_scale(std::string_view name) {
   if (const auto scale = find_scale(name)) return *scale;
-  throw InputError(fmt::format("'{}' is not a time scale; allowed: TT, TAI, UTC, TDB, GPS, ET", name));
+  throw InputError(fmt::format("'{}' is not a time scale; allowed: {}", name, scales_allowed));
 }
 
 Instant parse_date(std::string_view text, TimeScale scale) {
@@ -349,18 +351,22 @@ Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missi
   if (space != std::string_view::npos) {
     const std::string_view word = date.substr(space + 1);
     if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())) != 0) {
-      const TimeScale scale = time_scale(word);
-      return {parse_date(date.substr(0, space), scale), scale};
+      const std::optional<TimeScale> scale = find_scale(word);
+      if (!scale) {
+        throw InputError(fmt::format("'{}' is not a date with its time scale: '{}' is none; allowed: {}", text, word,
+                                     scales_allowed));
+      }
+      return {parse_date(date.substr(0, space), *scale), *scale};
     }
   }
   if (!date.empty() && (date.back() == 'Z' || date.back() == 'z')) {
     return {parse_date(date.substr(0, date.size() - 1), TimeScale::utc), TimeScale::utc};
   }
   if (!missing) {
+    parse_date(date, TimeScale::utc);  // what is no date is said first
     throw InputError(
-        fmt::format("'{}' needs its time scale behind it, as in '2029-04-13T21:46:00 TDB'; allowed: TT, "
-                    "TAI, UTC (or Z), TDB, GPS, ET",
-                    text));
+        fmt::format("'{}' needs its time scale behind it, as in '2029-04-13T21:46:00 TDB'; allowed: {}, or Z for UTC",
+                    text, scales_allowed));
   }
   return {parse_date(date, *missing), *missing};
 }

@@ -206,6 +206,18 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
       "along y of frame A. Its sign is continuous from row to row. OMEGA has components in frame B.");
 }
 
+/// FITS has a TIMESYS 'ET', but as a forerunner of TT, which astropy takes it for; astropy cannot read 'GPS'.
+void refuse_misread_scale(TimeScale scale) {
+  if (scale == TimeScale::et) {
+    throw InputError(
+        "readers of FITS take the time scale ET for TT, 1.7 ms from SPICE's; take TDB, which is within 0.1 ms of "
+        "SPICE's ET, or UTC, TAI, TT");
+  }
+  if (scale == TimeScale::gps) {
+    throw InputError("readers of FITS do not know the time scale GPS; take TAI, which is GPS + 19 s, or TDB, UTC, TT");
+  }
+}
+
 /// cfitsio compresses a file from memory when it closes it.
 void refuse_beyond_memory(const std::string& path, std::size_t rows, std::size_t row_bytes) {
   const double wanted = static_cast<double>(rows) * static_cast<double>(row_bytes);
@@ -225,6 +237,7 @@ void refuse_beyond_memory(const std::string& path, std::size_t rows, std::size_t
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
                 const Progress& progress) {
   if (options.momentum && !ephemeris.inertia()) throw InputError("the angular momentum needs an inertia");
+  refuse_misread_scale(ephemeris.times().scale());
   OutputFile output(path);
   const std::size_t doubles_per_row = 8 + (options.momentum ? 3 : 0) + (options.time_low ? 1 : 0);
   const std::size_t row_bytes = doubles_per_row * sizeof(double);
