@@ -4,6 +4,7 @@ import os
 import subprocess
 from pathlib import Path
 
+import erfa
 import mpmath
 import numpy as np
 from astropy.time import Time
@@ -82,6 +83,19 @@ components = [0.0, 0.0, 9.0]
 axes = "body"
 unit = "deg/s"
 """  # turned by +90 deg about inertial z ten seconds after its epoch
+
+
+def leap_second_kernel(path, extra=()):
+    """A NAIF leap-second kernel with the constants of NAIF's own and ERFA's table."""
+    names = "JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC".split()
+    table = [(int(y), int(m), float(d)) for y, m, d in erfa.leap_seconds.get() if y >= 1972] + list(extra)
+    rows = ",\n".join(f"{offset:.0f}, @{year}-{names[month - 1]}-1" for year, month, offset in table)
+    path.write_text(
+        "KPL/LSK\n\nText of no meaning.\n\\begindata\nDELTET/DELTA_T_A = 32.184\nDELTET/K = 1.657D-3\n"
+        "DELTET/EB = 1.671D-2\nDELTET/M = ( 6.239996D0 1.99096871D-7 )\n"
+        f"DELTET/DELTA_AT = ( {rows} )\n\\begintext\n"
+    )
+    return path
 
 
 class TaylorMotion:

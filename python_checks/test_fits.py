@@ -1,5 +1,6 @@
 """Our FITS in the hands of astropy, fitsverify and scipy, and against an independent integration."""
 
+import re
 import shutil
 import subprocess
 import warnings
@@ -12,6 +13,7 @@ from astropy.time import Time
 from astropy.timeseries import TimeSeries
 from scipy.spatial.transform import Rotation, Slerp
 from support import (
+    ROOT,
     SPINNER,
     T_HANDLE,
     TOUTATIS,
@@ -136,3 +138,19 @@ def test_great_circle_between_rows(tmp_path):
     turn = Rotation.from_quat(table["QPARAM"])
     middle = Slerp(time[::2], turn[::2])(time[1:-1:2])
     assert_within((middle.inv() * turn[1:-1:2]).magnitude(), 1e-5)
+
+
+def test_the_lines_of_the_manual_do_what_they_say(tmp_path, monkeypatch):
+    propagate(TOUTATIS, tmp_path / "toutatis.fits", "--count", "1")
+    manual = (ROOT / "tools/manual/propagate.md").read_text()
+    lines = re.search(r"```python\n(.*?)```", manual, re.S).group(1)
+    monkeypatch.chdir(tmp_path)
+    known = {}
+    exec(lines, known)  # as a reader would paste them
+    assert isinstance(known["table"]["TIME"], Time) and isinstance(known["series"].time, Time)
+    assert not isinstance(Table.read("toutatis.fits", hdu="ATTITUDE")["TIME"], Time)
+    # The body file's ZXZ angles say where its z axis points in the ecliptic; from there to ICRF it is a turn about x.
+    first, second = np.radians([145.498, 65.865])
+    ecliptic = [np.sin(second) * np.sin(first), -np.sin(second) * np.cos(first), np.cos(second)]
+    icrf = Rotation.from_euler("x", 84381.448 / 3600, degrees=True).apply(ecliptic)
+    assert_within(np.linalg.norm(known["z_axis"][0] - icrf), 1e-12)

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from support import ROOT, TOUTATIS, propagate, run
+from support import ROOT, SPINNER, TOUTATIS, propagate, run
 
 CCSDS = ROOT / "data/samples/ccsds"
 
@@ -48,3 +48,148 @@ def test_compare_reads_what_propagate_writes(tmp_path):
     # Another body: far away, and said so.
     assert run("compare", files[0], ROOT / "data/bodies/apophis.toml", "--tolerance", "1 deg", check=False).returncode == 1
     assert run("compare", TOUTATIS, TOUTATIS, check=False).returncode == 2
+
+
+def refused(*options, status=2, **others):
+    result = run(*options, check=False, **others)
+    assert result.returncode == status, result.stderr
+    return result.stderr
+
+
+SPAN = ("--stop", "+1 d", "--count", "3")
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        (("-o", "a.fits", *SPAN, "--adm", "3.0"), "--adm is for CCSDS messages"),
+        (("-o", "a.csv", *SPAN, "--attitude-type", "QUATERNION"), "--attitude-type is for CCSDS messages"),
+        (("-o", "a.ecsv", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for CCSDS messages"),
+        (("-o", "a.aem", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for Euler angles"),
+        (("-o", "a.aem", *SPAN, "--momentum"), "--momentum is for FITS, CSV and ECSV"),
+        (("-o", "a.fits", *SPAN, "--full"), "--full means something for scenes only"),
+    ],
+)
+def test_options_that_mean_nothing_are_refused(tmp_path, options, message):
+    assert message in refused("propagate", TOUTATIS, *options, cwd=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_old_version_has_an_attitude_type_of_its_own(tmp_path):
+    text = propagate(TOUTATIS, tmp_path / "a.aem", *SPAN, "--adm", "1.0").read_text()
+    assert "CCSDS_AEM_VERS = 1.0\n" in text and "ATTITUDE_TYPE = QUATERNION\n" in text
+    assert "ATTITUDE_TYPE = QUATERNION/ANGVEL\n" in propagate(TOUTATIS, tmp_path / "b.aem", *SPAN).read_text()
+
+
+def scene(folder, old="", new=""):
+    """A scene with its files' absolute paths, one line of it changed; the number of that line."""
+    text = (ROOT / "data/scenes/envisat-month.toml").read_text()
+    text = text.replace('body = "', f'body = "{ROOT}/data/scenes/')
+    assert old in text
+    line = 1 + text[: text.index(old)].count("\n")
+    path = folder / "scene.toml"
+    path.write_text(text.replace(old, new, 1))
+    return path, line
+
+
+def test_a_missing_file_is_traced_to_the_line_that_names_it(tmp_path):
+    path, line = scene(tmp_path, f"{ROOT}/data/scenes/bodies", f"{ROOT}/data/scenes/nothing")
+    for command in ("plan", path), ("propagate", path, "-o", tmp_path / "a.csv"):
+        message = refused(*command, status=3)
+        assert f"{path}:{line}: body: " in message and "nothing/envisat" in message
+    body = tmp_path / "body.toml"
+    body.write_text('name = "a"\n[inertia]\nmesh = "nothing.obj"\n')
+    assert f"{body}:3: inertia.mesh: " in refused("info", body, status=3)
+    text = (ROOT / "data/scenes/toutatis-1992-2008.toml").read_text()
+    path.write_text(text.replace('body = "', f'body = "{ROOT}/data/scenes/'))
+    line = 1 + [t.startswith("trajectory") for t in text.splitlines()].index(True)
+    assert f"{path}:{line}: orbit." in refused("plan", path, status=3)
+
+
+def test_scenes_and_bodies_point_to_each_other(tmp_path):
+    path, _ = scene(tmp_path)
+    assert f"{path}: is a scene, not a body: `polhode plan`" in refused("info", path)
+    assert f"{TOUTATIS}: is no scene" in refused("plan", TOUTATIS)
+    assert "`polhode info`" in refused("plan", CCSDS / "valid/AEMExample01.txt")
+
+
+@pytest.mark.parametrize(
+    "line, message",
+    [
+        ("[inertia]\naxis_ratios = [3, 2, 1]", "moments, products, products_are, tensor, unit"),
+        ("[inertia]\naxis_ratios = [3, 2, 1]", "mesh, semi_axes"),
+        ("[state.attitude]\nsequence = ZXZ", 'ZXZ is text, which stands in quotes: "ZXZ"'),
+        ("[state]\nepoch = '2000-01-01 TT'\nframe = 'FK5'", "'FK5' is not a frame for a state; allowed: ICRF"),
+    ],
+)
+def test_messages_of_body_files_name_what_is_allowed(tmp_path, line, message):
+    path = tmp_path / "body.toml"
+    path.write_text(f'name = "a"\n{line}\n')
+    stderr = refused("info", path)
+    assert message in stderr and "ITRF" not in stderr
+    assert stderr.startswith(f"polhode: {path}:{2 + line.count(chr(10))}: ")
+
+
+def test_a_body_that_cannot_move_is_named_with_its_file(tmp_path):
+    path = tmp_path / "body.toml"
+    path.write_text('name = "a"\n[state]\nepoch = "2000-01-01 TT"\nframe = "ICRF"\n')
+    assert f"{path}: body 'a' has no inertia" in refused("propagate", path, "-o", tmp_path / "a.csv", *SPAN)
+
+
+def test_the_inertia_of_our_fits_is_read(tmp_path):
+    out = propagate(TOUTATIS, tmp_path / "a.fits", *SPAN)
+    (report,) = json.loads(run("info", "--json", out).stdout)
+    (body,) = json.loads(run("info", "--json", TOUTATIS).stdout)
+    assert report["inertia"]["principal_moments"] == body["inertia"]["principal_moments"]
+    assert report["inertia"]["unit"] == "ratios"
+    assert report["motion"]["polhode_period_s"] == pytest.approx(body["motion"]["polhode_period_s"], rel=1e-9)
+    assert not any("no inertia" in warning for warning in report["warnings"])
+    # The rows stay what is written again.
+    again = propagate(out, tmp_path / "b.csv")
+    assert len(again.read_text().splitlines()) == 4
+
+
+def test_info_says_units(tmp_path):
+    bodies = [ROOT / "data/bodies" / name for name in ("envisat.toml", "toutatis.toml")]
+    absolute, ratios = (report["motion"] for report in json.loads(run("info", "--json", *bodies).stdout))
+    assert {"momentum_N_m_s", "twice_energy_J", "energy_above_ground_relative"} <= set(absolute)
+    assert {"momentum_ratios_rad_s", "twice_energy_ratios_rad2_s2"} <= set(ratios)
+    assert not {"momentum", "twice_energy", "energy_above_ground"} & (set(absolute) | set(ratios))
+
+
+def test_comparing_two_objects_is_said(tmp_path):
+    out = propagate(TOUTATIS, tmp_path / "a.fits", *SPAN)
+    assert "two objects" in run("compare", out, ROOT / "data/bodies/apophis.toml").stderr
+    assert "two objects" not in run("compare", out, TOUTATIS).stderr
+
+
+def test_designations_are_kept(tmp_path):
+    body = tmp_path / "body.toml"
+    body.write_text(TOUTATIS.read_text().replace("source =", 'id = "20004179"\nsource =', 1))
+    assert "OBJECT_ID = 20004179\n" in propagate(body, tmp_path / "a.aem", *SPAN).read_text()
+    acm = CCSDS / "valid/ACMExample05.txt"
+    wanted = [line.split("=")[1].strip() for line in acm.read_text().splitlines() if line.startswith("INTERNATIONAL_DESIGNATOR")]
+    (report,) = json.loads(run("info", "--json", acm).stdout)
+    assert [report["id"]] == wanted
+
+
+@pytest.mark.parametrize("unit", ["deg/min", "deg/d", "mas/h"])
+def test_rates_in_every_unit_of_angle_and_time(tmp_path, unit):
+    angle, duration = unit.split("/")
+    size = {"deg": 1.0, "mas": 1 / 3.6e6}[angle] / {"min": 60, "d": 86400, "h": 3600}[duration]
+    body = tmp_path / "body.toml"
+    body.write_text(SPINNER.replace('"deg/s"', f'"{unit}"').replace('"kg m2"', '"kg m^2"'))
+    (report,) = json.loads(run("info", "--json", body).stdout)
+    assert report["state"]["omega_body_rad_s"][2] == pytest.approx(np.radians(9.0 * size), rel=1e-14)
+
+
+def test_every_option_takes_the_same_units(tmp_path):
+    out = propagate(TOUTATIS, tmp_path / "a.fits", *SPAN)
+    assert run("compare", out, TOUTATIS, "--tolerance", "1 mas").returncode == 0
+    assert "deg, rad, arcmin, arcsec, mas" in refused("compare", out, TOUTATIS, "--tolerance", "1 furlong")
+
+
+@pytest.mark.parametrize("command", ["info", "propagate", "plan", "compare", "convert-time", "convert-frame", "eval", "bench", "chart"])
+def test_help_has_examples(command):
+    text = run(command, "--help").stdout
+    assert "Examples:" in text and f"polhode {command}" in text.split("Examples:")[1]

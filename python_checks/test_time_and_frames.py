@@ -9,6 +9,7 @@ from astropy import units as u
 from astropy.coordinates import ICRS, BarycentricMeanEcliptic, CartesianRepresentation, CustomBarycentricEcliptic
 from astropy.coordinates.builtin_frames import intermediate_rotation_transforms as rotations
 from astropy.time import Time, TimeDelta
+from support import leap_second_kernel
 from support import run as run_program
 
 MICROARCSECOND = np.radians(1e-6 / 3600)
@@ -120,19 +121,6 @@ def test_day_of_year_dates():
     days = [Time(d, scale="tai").yday.replace(":", "-", 1).replace(":", "T", 1) for d in random_dates(50)]
     ours = converted(days, "TAI", "TAI")
     assert [o[:23] for o in ours] == [Time(d.replace("T", ":").replace("-", ":"), scale="tai").isot for d in days]
-
-
-def leap_second_kernel(path, extra=()):
-    """A NAIF leap-second kernel with the constants of NAIF's own and ERFA's table."""
-    names = "JAN FEB MAR APR MAY JUN JUL AUG SEP OCT NOV DEC".split()
-    table = [(int(y), int(m), float(d)) for y, m, d in erfa.leap_seconds.get() if y >= 1972] + list(extra)
-    rows = ",\n".join(f"{offset:.0f}, @{year}-{names[month - 1]}-1" for year, month, offset in table)
-    path.write_text(
-        "KPL/LSK\n\nText of no meaning.\n\\begindata\nDELTET/DELTA_T_A = 32.184\nDELTET/K = 1.657D-3\n"
-        "DELTET/EB = 1.671D-2\nDELTET/M = ( 6.239996D0 1.99096871D-7 )\n"
-        f"DELTET/DELTA_AT = ( {rows} )\n\\begintext\n"
-    )
-    return path
 
 
 def test_a_table_of_leap_seconds_can_be_given(tmp_path):

@@ -148,6 +148,7 @@ void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command =
       app.add_subcommand("bench", "Time a method on a case file: nanoseconds per item, key=value lines");
+  command->footer("Examples:\n  polhode bench data/truth/dev/sam-01.case 100000");
   command->add_option("--method", options->method, "Name from `polhode methods`, or auto")->capture_default_str();
   command->add_option("CASEFILE", options->case_file, "Body at t = 0; its times give the range")->required();
   command->add_option("COUNT", options->count, "How many times")->required()->check(CLI::Range(1, 100'000'000));

@@ -273,6 +273,9 @@ void chart_torqued(const ChartOptions& options) {
 void add_chart(CLI::App& app) {
   auto options = std::make_shared<ChartOptions>();
   CLI::App* command = app.add_subcommand("chart", "Measure every method: speed against accuracy, and stability");
+  command->footer(
+      "Examples:\n  polhode chart speed-accuracy data/bodies/toutatis.toml -o charts\n"
+      "  polhode chart stability -o charts");
   command->require_subcommand(1);
   const auto common = [&](CLI::App* kind) {
     kind->add_option("-o,--output", options->folder, "Folder for the table")->required();

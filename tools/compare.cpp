@@ -4,14 +4,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
+#include "polhode/read/quantity.hpp"
 #include "polhode/read/text.hpp"
-#include "polhode/read/units.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -26,19 +27,22 @@ struct Options {
   bool as_json = false;
 };
 
-/// "1e-6 rad", "0.1 deg", "2 arcsec".
-double parse_angle_rad(const std::string& text) {
-  const std::vector<std::string_view> words = split_words(text);
-  const std::optional<double> value = words.size() == 2 ? parse_number(words[0]) : std::nullopt;
-  if (!value || *value < 0.0)
-    throw InputError(fmt::format("--tolerance '{}': a number and rad, deg or arcsec are wanted", text));
-  return *value * angle_unit_rad(words[1]);
+/// What a file says whose attitude it holds.
+struct Object {
+  std::string name;
+  std::string id;
+};
+
+/// Warns of two names that are not one, unless the designations are.
+void warn_of_two_objects(const Object& a, const Object& b) {
+  if (a.name.empty() || b.name.empty() || upper_case(a.name) == upper_case(b.name)) return;
+  if (!a.id.empty() && upper_case(a.id) == upper_case(b.id)) return;
+  fmt::print(stderr, "polhode: the attitudes are of two objects, by their names: {} and {}\n", a.name, b.name);
 }
 
 /// The free motion of a body file as attitude in ICRF.
-std::function<Quaternion(Instant)> motion_of(const std::string& path) {
-  const Body body = read_body(path);
-  const FreeBody free = free_body(body, Frame::icrf);
+std::function<Quaternion(Instant)> motion_of(const std::string& path, const Body& body) {
+  const FreeBody free = in_file(path, [&] { return free_body(body, Frame::icrf); });
   const std::shared_ptr<const FreeMotion> motion = method("auto").make(free);
   const Quaternion q_principal_from_named = body.inertia->q_named_from_principal().conjugate();
   return [motion, q_principal_from_named, epoch = body.state->epoch](Instant time) {
@@ -52,9 +56,19 @@ void run(const Options& options) {
   const std::optional<AttitudeHistory> b = read_attitude_history(options.second);
   if (!a && !b)
     throw InputError("neither file is an attitude ephemeris; one must be, its times are those of the comparison");
-  const AttitudeDifference d =
-      a && b ? compare(*a, *b) : compare(a ? *a : *b, motion_of(a ? options.second : options.first));
   const AttitudeHistory& rows = a ? *a : *b;
+  AttitudeDifference d;
+  Object other;
+  if (a && b) {
+    other = {b->object, b->object_id};
+    d = compare(*a, *b);
+  } else {
+    const std::string& path = a ? options.second : options.first;
+    const Body body = read_body(path);
+    other = {body.name, body.id};
+    d = compare(rows, motion_of(path, body));
+  }
+  warn_of_two_objects({rows.object, rows.object_id}, other);
   const std::string where = format_date(d.time_of_largest, rows.scale, 6);
   if (options.as_json) {
     const nlohmann::ordered_json out{{"first", options.first},
@@ -85,6 +99,9 @@ void run(const Options& options) {
   }
   if (options.tolerance.empty()) return;
   const double tolerance_rad = parse_angle_rad(options.tolerance);
+  if (!(tolerance_rad >= 0.0)) {
+    throw InputError(fmt::format("--tolerance is '{}', an angle of 0 or more is wanted", options.tolerance));
+  }
   if (d.largest_rad > tolerance_rad) {
     throw CheckFailed(
         fmt::format("the attitudes differ by {:.6g} rad, more than {}", d.largest_rad, options.tolerance));
@@ -97,6 +114,9 @@ void add_compare(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("compare", "The angle between two attitudes: ephemerides, or one and a body's motion");
+  command->footer(
+      "Examples:\n  polhode compare ours.fits theirs.aem --tolerance \"10 mas\"\n"
+      "  polhode compare theirs.aem toutatis.toml --json");
   command->add_option("A", options->first, "an ephemeris (AEM, ACM, FITS, CSV, ECSV) or a body file")->required();
   command->add_option("B", options->second, "the same; at least one is an ephemeris, A's times are used if A is one")
       ->required();

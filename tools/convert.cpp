@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "dates.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/frames/frame.hpp"
@@ -41,6 +42,10 @@ void add_convert_time(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("convert-time", "Dates of standard input, one a line, in another time scale");
+  command->footer(
+      "Examples:\n  echo 2016-12-31T23:59:60.5 UTC | polhode convert-time --to TDB\n"
+      "  echo now | polhode convert-time --to TT\n"
+      "  polhode convert-time --from UTC --to TDB --mjd < dates.txt");
   command->add_option("--from", options->from, "scale of dates that name none: TT, TAI, UTC, TDB, GPS, ET");
   command->add_option("--to", options->to, "scale to write")->required();
   command->add_option("--decimals", options->decimals, "of the second, 0 to 15")->capture_default_str();
@@ -52,7 +57,7 @@ void add_convert_time(CLI::App& app) {
     if (!options->from.empty()) from = time_scale(options->from);
     UtcDoubts doubts;
     filter_lines([&](const std::string& line) {
-      const auto [instant, written_in] = parse_date_with_scale(line, from);
+      const auto [instant, written_in] = date_or_now(line, from);
       if (written_in == TimeScale::utc || to == TimeScale::utc) doubts.look_at(instant);
       if (!options->as_mjd) return format_date(instant, to, options->decimals);
       const ModifiedJulianDate date = modified_julian_date(instant, to);
@@ -70,6 +75,9 @@ void add_convert_frame(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "convert-frame",
       "For dates of standard input, one a line, the quaternion (scalar first) from one frame to another");
+  command->footer(
+      "Examples:\n  echo 2029-04-13T21:46:00 UTC | polhode convert-frame --from ECLIPJ2000 --to ICRF\n"
+      "  polhode convert-frame --from ITRF --to GCRF --ut1-utc -0.17 --scale UTC < dates.txt");
   command->add_option("--from", options->from, "ICRF, GCRF, EME2000, ECLIPJ2000, ECLIPIAU2006, TEME, ITRF")->required();
   command->add_option("--to", options->to, "the same; v_to = q v_from q*")->required();
   command->add_option("--scale", options->scale, "scale of dates that name none: TT, TAI, UTC, TDB, GPS, ET");
@@ -88,7 +96,7 @@ void add_convert_frame(CLI::App& app) {
     }
     UtcDoubts doubts;
     filter_lines([&](const std::string& line) {
-      const auto [instant, written_in] = parse_date_with_scale(line, scale);
+      const auto [instant, written_in] = date_or_now(line, scale);
       if (written_in == TimeScale::utc) doubts.look_at(instant);
       const Quaternion q = q_icrf_from(to, instant, earth).conjugate() * q_icrf_from(from, instant, earth);
       return fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", q.w(), q.x(), q.y(), q.z());

@@ -12,6 +12,7 @@
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
+#include "polhode/read/quantity.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -51,8 +52,9 @@ std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const Ev
 }
 
 void eval(const EvalOptions& options) {
-  if (!(options.tolerance_rad > 0.0)) {
-    throw InputError(fmt::format("--tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
+  if (!(options.tolerance_rad >= smallest_tolerance_rad && std::isfinite(options.tolerance_rad))) {
+    throw InputError(fmt::format("--tolerance is {}, an angle of {} rad or more is wanted: doubles hold no less",
+                                 options.tolerance_rad, smallest_tolerance_rad));
   }
   if (!(options.step_s >= 0.0 && std::isfinite(options.step_s))) {
     throw InputError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
@@ -93,6 +95,9 @@ void eval(const EvalOptions& options) {
 void add_eval(CLI::App& app) {
   auto options = std::make_shared<EvalOptions>();
   CLI::App* command = app.add_subcommand("eval", "States of a case file: a line q0 q1 q2 q3 m1 m2 m3 per time");
+  command->footer(
+      "Examples:\n  polhode eval data/truth/dev/sam-01.case\n"
+      "  polhode eval --method rk4 --step 0.01 data/truth/dev/sam-01.case");
   command
       ->add_option("--method", options->method,
                    "Name from `polhode methods`, or auto; under torques a splitting scheme or extrapolation")

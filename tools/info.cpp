@@ -151,6 +151,7 @@ void print(Page& page, const Report& report) {
   const Body& body = report.body;
   page.heading("{}", body.name);
   page.row("file", report.path);
+  if (!body.id.empty()) page.row("id", body.id);
   if (!body.source.empty()) page.row("source", body.source);
   if (body.inertia) {
     const Inertia& inertia = *body.inertia;
@@ -239,7 +240,7 @@ Json json(const AttitudeHistory& history) {
 
 Json json(const Report& report) {
   const Body& body = report.body;
-  Json out{{"file", report.path}, {"name", body.name}, {"source", body.source}};
+  Json out{{"file", report.path}, {"name", body.name}, {"id", body.id}, {"source", body.source}};
   if (body.inertia) {
     const Inertia& inertia = *body.inertia;
     Json axes = Json::array();
@@ -262,14 +263,17 @@ Json json(const Report& report) {
   }
   if (report.spin) {
     const SpinInvariants& spin = *report.spin;
-    Json motion{{"mode", name(spin.mode)}, {"momentum", spin.momentum}, {"twice_energy", spin.twice_energy}};
+    const bool absolute = body.inertia->absolute;
+    Json motion{{"mode", name(spin.mode)},
+                {absolute ? "momentum_N_m_s" : "momentum_ratios_rad_s", spin.momentum},
+                {absolute ? "twice_energy_J" : "twice_energy_ratios_rad2_s2", spin.twice_energy}};
     if (spin.rotation_axis >= 0) motion["axis"] = axis_words[spin.rotation_axis];
     if (spin.rotation_period_s) motion["rotation_period_s"] = *spin.rotation_period_s;
     if (report.momentum_icrf) {
       motion["momentum_ecliptic_deg"] = json(direction_of(*report.momentum_ecliptic));
       motion["momentum_equatorial_deg"] = json(direction_of(*report.momentum_icrf));
     }
-    motion["energy_above_ground"] = spin.energy_above_ground;
+    motion["energy_above_ground_relative"] = spin.energy_above_ground;  // E/E0 - 1
     motion["separatrix_offset"] = spin.separatrix_offset;
     if (spin.polhode_period_s) {
       motion["separatrix_distance"] = *spin.separatrix_distance;
@@ -304,6 +308,9 @@ void add_info(CLI::App& app) {
   };
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("info", "What a body file says: mode, periods, angular momentum, energy");
+  command->footer(
+      "Examples:\n  polhode info data/bodies/toutatis.toml\n"
+      "  polhode info --json data/bodies/*.toml");
   command->add_option("FILE", options->files, "body files")->required();
   command->add_flag("--json", options->as_json, "a JSON list, one object for each file");
   command->callback([options] {

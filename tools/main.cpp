@@ -2,6 +2,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>
+#include <new>
+#include <stdexcept>
 
 #include "polhode/base/error.hpp"
 #include "subcommands.hpp"
@@ -48,6 +50,8 @@ int main(int argc, char** argv) {
     return fail(2, error);
   } catch (const polhode::FileError& error) {
     return fail(3, error);
+  } catch (const std::bad_alloc&) {
+    return fail(3, std::runtime_error("there is not enough memory for this"));
   } catch (const std::exception& error) {
     return fail(3, error);
   }

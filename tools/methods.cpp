@@ -11,6 +11,7 @@ namespace polhode::tools {
 
 void add_methods(CLI::App& app) {
   CLI::App* command = app.add_subcommand("methods", "Every method: its order, what it conserves, where it fails");
+  command->footer("Examples:\n  polhode methods");
   command->callback([] {
     fmt::memory_buffer text;
     for (const Method& m : methods()) {

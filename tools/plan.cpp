@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/body/phase.hpp"
 #include "polhode/motion/free_body.hpp"
@@ -22,7 +23,7 @@ struct PlanOptions {
 
 void print_plan(const PlanOptions& options) {
   const Scene scene = read_scene(options.scene_file);
-  const FreeBody body = free_body(scene.body, scene.frame);
+  const FreeBody body = in_file(options.scene_file, [&] { return free_body(scene.body, scene.frame); });
   const Plan plan = plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
@@ -50,6 +51,7 @@ void print_plan(const PlanOptions& options) {
 void add_plan(CLI::App& app) {
   const auto options = std::make_shared<PlanOptions>();
   CLI::App* command = app.add_subcommand("plan", "Which effects a scene needs, by bounds, and which model");
+  command->footer("Examples:\n  polhode plan data/scenes/envisat-month.toml");
   command->add_option("SCENE", options->scene_file, "Scene file")->required();
   command->add_flag("--full", options->full, "Keep every effect");
   command->callback([options] { print_plan(*options); });

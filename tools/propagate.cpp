@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "dates.hpp"
+#include "in_file.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/body/phase.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
@@ -24,7 +26,6 @@
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
-#include "polhode/read/time_list.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"
 #include "write_ephemeris.hpp"
@@ -51,46 +52,40 @@ struct PropagateOptions {
   bool scale_given = false;
 };
 
+/// Dates that name no scale have that of --scale, where it is given.
+DateRule date_rule(const PropagateOptions& options, TimeScale rows) {
+  return {rows, options.scale_given ? std::optional(rows) : std::nullopt};
+}
+
 /// One grid per pair of --start and --stop, or one of the list.
 std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch, TimeScale scale,
                                  const std::function<std::size_t(Instant start, Instant stop)>& rows_for_tolerance) {
+  const DateRule rule = date_rule(options, scale);
+  UtcDoubts doubts;
   if (!options.times.empty()) {
     if (!options.starts.empty() || !options.stops.empty() || !options.step.empty() || options.count != 0 ||
         !options.tolerance.empty()) {
       throw InputError("--times stands alone: without --start, --stop, --step, --count, --tolerance");
     }
-    const std::vector<Instant> times = read_time_list(options.times, scale);
-    if (scale == TimeScale::utc) {
-      UtcDoubts doubts;
-      for (const Instant time : times) doubts.look_at(time);
-    }
-    return {TimeGrid::of_list(times, scale)};
+    return {TimeGrid::of_list(wanted_dates(options.times, rule, doubts), scale)};
   }
   const int spacings = int(!options.step.empty()) + int(options.count != 0) + int(!options.tolerance.empty());
   if (spacings != 1) throw InputError("one of --step and --count and --tolerance is needed, or --times");
-  if (options.stops.empty()) throw InputError("--stop is missing");
-  if (options.starts.size() != options.stops.size() && !(options.starts.empty() && options.stops.size() == 1)) {
+  const bool one_row = options.count == 1 && options.stops.empty();
+  if (options.stops.empty() && !one_row) throw InputError("--stop is missing");
+  if (!one_row && options.starts.size() != options.stops.size() &&
+      !(options.starts.empty() && options.stops.size() == 1)) {
     throw InputError(
         fmt::format("{} times --start and {} times --stop; they come in pairs (one --stop alone starts at "
                     "the body's epoch)",
                     options.starts.size(), options.stops.size()));
   }
   // "+60 d" counts from the body's epoch for --start, from the start for --stop.
-  UtcDoubts doubts;
-  const auto date = [&doubts, scale](const std::string& text, Instant from) {
-    if (text.starts_with('+')) return from + parse_duration(text);
-    const auto [instant, written_in] = parse_date_with_scale(text, scale);
-    if (written_in == TimeScale::utc) doubts.look_at(instant);
-    return instant;
-  };
   std::vector<TimeGrid> grids;
-  for (std::size_t i = 0; i < options.stops.size(); ++i) {
-    const Instant start = options.starts.empty() ? epoch : date(options.starts[i], epoch);
-    const Instant stop = date(options.stops[i], start);
-    if (scale == TimeScale::utc) {
-      doubts.look_at(start);
-      doubts.look_at(stop);
-    }
+  const std::size_t segments = std::max<std::size_t>({options.starts.size(), options.stops.size(), 1});
+  for (std::size_t i = 0; i < segments; ++i) {
+    const Instant start = options.starts.empty() ? epoch : wanted_date(options.starts[i], epoch, rule, doubts);
+    const Instant stop = one_row ? start : wanted_date(options.stops[i], start, rule, doubts);
     if (!options.step.empty()) {
       grids.push_back(TimeGrid::with_step(start, stop, parse_duration(options.step), scale));
     } else {
@@ -103,16 +98,13 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
 
 /// What the command line leaves open, from the scene.
 void complete(PropagateOptions& options, const Scene& scene) {
-  if (options.frame_given && frame(options.frame) != scene.frame) {
+  if (options.frame_given && inertial_frame(options.frame) != scene.frame) {
     throw InputError(fmt::format("--frame is {}, the scene is in another frame; leave --frame away", options.frame));
   }
   if (options.method != "auto") throw InputError("--method is for body files: a scene's method comes from its plan");
   if (!options.times.empty()) return;
   if (options.starts.empty() && options.stops.empty()) {
-    if (scene.first_s != 0.0) {
-      options.starts = {
-          fmt::format("{} TDB", format_date(scene.body.state->epoch + Seconds{scene.first_s, 0.0}, TimeScale::tdb, 9))};
-    }
+    if (scene.first_s != 0.0) options.starts = {fmt::format("{:+} s", scene.first_s)};
     options.stops = {fmt::format("+{} s", scene.last_s - scene.first_s)};
   }
   if (options.step.empty() && options.count == 0 && options.tolerance.empty()) {
@@ -129,7 +121,10 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   if (!options.step.empty() && options.count != 0) throw InputError("one of --step and --count, not both");
   if (history.object.empty()) history.object = std::filesystem::path(options.body_file).stem().string();
   const TimeScale scale = options.scale_given ? time_scale(options.scale) : history.scale;
-  const std::optional<Frame> out_frame = options.frame_given ? std::optional(frame(options.frame)) : std::nullopt;
+  const std::optional<Frame> out_frame =
+      options.frame_given ? std::optional(inertial_frame(options.frame)) : std::nullopt;
+  const DateRule rule = date_rule(options, scale);
+  UtcDoubts doubts;
   WantedTimes wanted;
   if (!options.step.empty()) wanted.step = parse_duration(options.step);
   wanted.count = options.count;
@@ -138,7 +133,7 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
     if (!options.starts.empty() || !options.stops.empty() || wanted.step || wanted.count != 0) {
       throw InputError("--times stands alone: without --start, --stop, --step, --count");
     }
-    wanted.list = read_time_list(options.times, scale);
+    wanted.list = wanted_dates(options.times, rule, doubts);
     segments = resample(history, wanted, scale, out_frame);
   }
   const std::size_t spans = std::max<std::size_t>({options.starts.size(), options.stops.size(), 1});
@@ -148,12 +143,9 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   }
   for (std::size_t i = 0; options.times.empty() && i < spans; ++i) {
     // "+60 d" counts from the history's first instant for --start, from the start for --stop.
-    const auto date = [scale](const std::string& text, Instant from) {
-      return text.starts_with('+') ? from + parse_duration(text) : parse_date_with_scale(text, scale).instant;
-    };
     const Instant first = history.segments.front().first();
-    if (!options.starts.empty()) wanted.start = date(options.starts[i], first);
-    if (!options.stops.empty()) wanted.stop = date(options.stops[i], wanted.start.value_or(first));
+    if (!options.starts.empty()) wanted.start = wanted_date(options.starts[i], first, rule, doubts);
+    if (!options.stops.empty()) wanted.stop = wanted_date(options.stops[i], wanted.start.value_or(first), rule, doubts);
     for (Ephemeris& segment : resample(history, wanted, scale, out_frame)) segments.push_back(std::move(segment));
   }
   write_watched(options.output, format, segments);
@@ -165,6 +157,7 @@ bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& fi
     if (options.history) throw InputError({options.body_file, 0}, "holds no attitude history");
     return false;
   }
+  if (file.is_table) return true;
   const std::vector<std::string>& missing = file.body.missing;
   if (missing.empty() && !options.history) {
     fmt::print(stderr, "polhode: the motion of the body is computed; --history writes the attitudes of the message\n");
@@ -209,10 +202,13 @@ void print_account(const EphemerisDescription& rows) {
 
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output.path);
+  refuse_meaningless(options.output, format);
   std::optional<Scene> scene;
   if (is_scene_file(options.body_file)) {
     scene = read_scene(options.body_file);
     complete(options, *scene);
+  } else if (options.full) {
+    throw InputError({options.body_file, 0}, "is no scene: --full means something for scenes only");
   }
   BodyAndHistory file = scene ? BodyAndHistory{scene->body, std::nullopt} : read_body_and_history(options.body_file);
   const Body& body = file.body;
@@ -221,9 +217,9 @@ void propagate(PropagateOptions options) {
     export_history(options, format, *std::move(file.history));
     return;
   }
-  const Frame out_frame = scene ? scene->frame : frame(options.frame);
+  const Frame out_frame = scene ? scene->frame : inertial_frame(options.frame);
   const TimeScale scale = time_scale(options.scale);
-  const FreeBody free = free_body(body, out_frame);
+  const FreeBody free = in_file(options.body_file, [&] { return free_body(body, out_frame); });
   const Method& chosen = method(options.method);
   PlannedMotion planned;  // of a scene
   if (scene) {
@@ -247,7 +243,7 @@ void propagate(PropagateOptions options) {
                                    account.method, account.error_meaning));
     }
     return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high,
-                              parse_angle_rad(options.tolerance), *account.max_error_rad, format.interpolation);
+                              parse_tolerance_rad(options.tolerance), *account.max_error_rad, format.interpolation);
   };
   const std::optional<std::string> caution = phase_warning(body);
   std::vector<Ephemeris> segments;
@@ -257,6 +253,7 @@ void propagate(PropagateOptions options) {
     const MotionAccount account = account_between(first, last);
     EphemerisDescription description;
     description.object = body.name;
+    description.object_id = body.id;
     description.source = body.source;
     description.method = account.method;
     description.promised_error_rad = account.max_error_rad;
@@ -264,7 +261,7 @@ void propagate(PropagateOptions options) {
     if (scene) description.torque_evaluations = account.torque_evaluations;
     if (caution) description.cautions.push_back(*caution);
     if (!options.tolerance.empty()) {
-      description.tolerance_rad = parse_angle_rad(options.tolerance);
+      description.tolerance_rad = parse_tolerance_rad(options.tolerance);
       description.interpolation = format.interpolation_text;
       if (format.interpolation == RowInterpolation::lagrange_degree_7) {
         description.ccsds_interpolation = "LAGRANGE";
@@ -283,6 +280,13 @@ void propagate(PropagateOptions options) {
 void add_propagate(CLI::App& app) {
   const auto options = std::make_shared<PropagateOptions>();
   CLI::App* command = app.add_subcommand("propagate", "A body, scene or attitude history to an attitude ephemeris");
+  command->footer(
+      "Examples:\n  polhode propagate toutatis.toml -o toutatis.fits --stop \"+60 d\" --step \"1 h\"\n"
+      "  polhode propagate toutatis.toml -o night.csv --start \"1993-01-01 UTC\" --stop \"+8 h\" --tolerance \"1 "
+      "arcsec\"\n"
+      "  polhode propagate toutatis.toml -o now.csv --start now --count 1\n"
+      "  polhode propagate toutatis.toml -o points.ecsv --times observations.csv --scale UTC\n"
+      "  polhode propagate envisat-month.toml -o envisat.aem");
   command
       ->add_option("FILE", options->body_file, "Body file, scene file, or attitude history (AEM, ACM, FITS, CSV, ECSV)")
       ->required();
@@ -291,8 +295,8 @@ void add_propagate(CLI::App& app) {
   command
       ->add_option(
           "--start", options->starts,
-          "First time, a date with its scale, or +SPAN from the body's epoch or the history's begin, which is the "
-          "default")
+          "First time: a date with its scale, now, or +SPAN or -SPAN from the body's epoch or the history's begin, "
+          "which is the default")
       ->allow_extra_args(false);
   command
       ->add_option(
@@ -305,21 +309,23 @@ void add_propagate(CLI::App& app) {
   command->add_option("--tolerance", options->tolerance,
                       "As few rows as keep what readers interpolate within this angle, in rad, or with unit deg, "
                       "arcmin, arcsec, mas, uas");
-  command->add_option("--times", options->times, "Dates separated by commas, or a file with one date a line");
+  command->add_option("--times", options->times,
+                      "Dates separated by commas, or a file: one date a line, or a table with a column of dates");
   command->add_option("--frame", options->frame, "Inertial frame of the attitude; of a history its own unless given")
       ->capture_default_str();
   command
-      ->add_option("--scale", options->scale,
-                   "Time scale of the rows, and of dates that name none; of a history its own unless given")
+      ->add_option(
+          "--scale", options->scale,
+          "Time scale of the rows, and where it is given of dates that name none; of a history its own unless given")
       ->capture_default_str();
   add_leap_seconds(*command);
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
   command->add_flag("--momentum", options->output.momentum, "Write the angular momentum too (FITS, CSV, ECSV)");
-  command->add_option("--adm", options->output.adm, "Version of the CCSDS message, 1.0 or 2.0")->capture_default_str();
-  command->add_option("--attitude-type", options->output.attitude_type, "ATTITUDE_TYPE of an AEM")
-      ->capture_default_str();
-  command->add_option("--euler-sequence", options->output.euler_sequence, "Axes of an AEM's Euler angles")
-      ->capture_default_str();
+  command->add_option("--adm", options->output.adm, "Version of the CCSDS message, 1.0 or 2.0 (the default)");
+  command->add_option("--attitude-type", options->output.attitude_type,
+                      "ATTITUDE_TYPE of an AEM; QUATERNION/ANGVEL unless given, of ADM 1.0 QUATERNION");
+  command->add_option("--euler-sequence", options->output.euler_sequence,
+                      "Axes of an AEM's Euler angles; ZXZ unless given");
   command->add_flag("--full", options->full, "Of a scene: keep every effect, at 1e-9 rad");
   command->add_option("--max-evaluations", options->most_evaluations,
                       fmt::format("Of a scene: most torque evaluations to spend, {} or with --full {} unless said",

@@ -6,6 +6,7 @@
 
 #include <string>
 
+#include "in_file.hpp"
 #include "polhode/read/leap_seconds_file.hpp"
 #include "polhode/time/scale.hpp"
 
@@ -13,7 +14,11 @@ namespace polhode::tools {
 
 void add_leap_seconds(CLI::App& command) {
   command.add_option_function<std::string>(
-      "--leap-seconds", [](const std::string& path) { set_leap_seconds(read_leap_seconds(path)); },
+      "--leap-seconds",
+      [](const std::string& path) {
+        const std::vector<LeapSecond> table = read_leap_seconds(path);
+        in_file(path, [&] { set_leap_seconds(table); });
+      },
       "table of leap seconds to use: a NAIF leap-second kernel");
 }
 

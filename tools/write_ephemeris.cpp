@@ -8,6 +8,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/write/aem.hpp"
@@ -30,12 +31,16 @@ template <bool xml>
 void write_message(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
   AemOptions aem;
   aem.xml = xml;
-  aem.version = adm_version(options.adm);
-  aem.type = aem_type(options.attitude_type);
-  aem.euler_sequence = EulerSequence(options.euler_sequence);
-  if (options.promises_interpolation &&
-      (aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
-       aem.type == AemType::euler_angle_angular_velocity)) {
+  if (!options.adm.empty()) aem.version = adm_version(options.adm);
+  aem.type = aem.version == AdmVersion::v1 ? AemType::quaternion : AemType::quaternion_angular_velocity;
+  if (!options.attitude_type.empty()) aem.type = aem_type(options.attitude_type);
+  aem.euler_sequence = EulerSequence(options.euler_sequence.empty() ? "ZXZ" : options.euler_sequence);
+  const bool has_angles = aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
+                          aem.type == AemType::euler_angle_angular_velocity;
+  if (!has_angles && !options.euler_sequence.empty()) {
+    throw InputError("--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
+  }
+  if (options.promises_interpolation && has_angles) {
     throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
   }
   write_aem(options.path, segments, aem, progress);
@@ -51,11 +56,27 @@ const std::vector<EphemerisFormat>& formats() {
        RowInterpolation::great_circle,
        great_circle,
        false,
+       true,
+       false,
        write_one_fits},
-      {"CCSDS AEM", {".aem", ".txt"}, RowInterpolation::lagrange_degree_7, lagrange, true, write_message<false>},
-      {"CCSDS AEM in XML", {".xml"}, RowInterpolation::lagrange_degree_7, lagrange, true, write_message<true>},
-      {"CSV", {".csv"}, RowInterpolation::great_circle, great_circle, false, write_table<false>},
-      {"ECSV", {".ecsv"}, RowInterpolation::great_circle, great_circle, false, write_table<true>},
+      {"CCSDS AEM",
+       {".aem", ".txt"},
+       RowInterpolation::lagrange_degree_7,
+       lagrange,
+       true,
+       false,
+       true,
+       write_message<false>},
+      {"CCSDS AEM in XML",
+       {".xml"},
+       RowInterpolation::lagrange_degree_7,
+       lagrange,
+       true,
+       false,
+       true,
+       write_message<true>},
+      {"CSV", {".csv"}, RowInterpolation::great_circle, great_circle, false, true, false, write_table<false>},
+      {"ECSV", {".ecsv"}, RowInterpolation::great_circle, great_circle, false, true, false, write_table<true>},
   };
   return all;
 }
@@ -131,6 +152,21 @@ const EphemerisFormat& format_of(const std::string& path) {
     }
   }
   throw InputError(fmt::format("the ending of '{}' names no format; allowed are {}", path, all_endings()));
+}
+
+void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format) {
+  if (options.momentum && !format.has_momentum) {
+    throw InputError(fmt::format("--momentum is for FITS, CSV and ECSV: a {} holds no angular momentum", format.name));
+  }
+  if (format.is_message) return;
+  for (const auto& [option, value] :
+       {std::pair("--adm", &options.adm), std::pair("--attitude-type", &options.attitude_type),
+        std::pair("--euler-sequence", &options.euler_sequence)}) {
+    if (!value->empty()) {
+      throw InputError(
+          fmt::format("{} is for CCSDS messages (.aem, .txt, .xml); {} is {}", option, options.path, format.name));
+    }
+  }
 }
 
 std::string all_endings() {

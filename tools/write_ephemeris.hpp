@@ -15,9 +15,9 @@ namespace polhode::tools {
 struct OutputOptions {
   std::string path;
   bool momentum = false;
-  std::string adm = "2.0";
-  std::string attitude_type = "QUATERNION/ANGVEL";
-  std::string euler_sequence = "ZXZ";
+  std::string adm;                      // empty: 2.0
+  std::string attitude_type;            // empty: QUATERNION/ANGVEL, in ADM 1.0 QUATERNION
+  std::string euler_sequence;           // empty: ZXZ
   bool promises_interpolation = false;  // there is a --tolerance
 };
 
@@ -28,11 +28,16 @@ struct EphemerisFormat {
   RowInterpolation interpolation;  ///< what the format's readers do between rows
   std::string_view interpolation_text;
   bool has_segments;  ///< it can hold more than one
+  bool has_momentum;  ///< --momentum means something
+  bool is_message;    ///< of CCSDS: --adm, --attitude-type and --euler-sequence mean something
   void (*write)(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress);
 };
 
 /// The format that a path's ending names. Throws InputError if it names none.
 const EphemerisFormat& format_of(const std::string& path);
+
+/// Throws InputError for an option that means nothing in the format.
+void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format);
 
 /// ".fits, .fits.gz (FITS), …": all of them.
 std::string all_endings();

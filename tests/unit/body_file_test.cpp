@@ -53,6 +53,24 @@ TEST(BodyFile, EveryShippedBodyCanMove) {
   EXPECT_GE(count, 4U);
 }
 
+TEST(BodyFile, AnglesInDegreesUnderRadiansAreWarnedOf) {
+  const auto warnings = [](const std::string& angles, const std::string& unit) {
+    const std::string text = std::string("name = 'a'\n") + inertia_text + state_text + "[state.attitude]\n" +
+                             "sequence = 'ZXZ'\nunit = '" + unit + "'\neuler_angles = " + angles + "\n";
+    return parse(text).warnings;
+  };
+  ASSERT_EQ(warnings("[52, 65, 323]", "rad").size(), 1U);
+  EXPECT_NE(warnings("[52, 65, 323]", "rad")[0].find("test.toml:11: euler_angles has 323"), std::string::npos)
+      << warnings("[52, 65, 323]", "rad")[0];
+  EXPECT_TRUE(warnings("[6.283, 1.5, -6.283]", "rad").empty());
+  EXPECT_TRUE(warnings("[52, 65, 323]", "deg").empty());
+  const Body spun = parse(
+      "name = 'a'\n[spin]\nepoch = '2000-01-01 TT'\nframe = 'ICRF'\nunit = 'rad'\nlambda = 323.0\nbeta = 1.0\n"
+      "phi0 = 0.5\nperiod_unit = 'h'\nperiod = 5.0\n");
+  ASSERT_FALSE(spun.warnings.empty());
+  EXPECT_NE(spun.warnings[0].find("test.toml:6: lambda has 323"), std::string::npos) << spun.warnings[0];
+}
+
 TEST(BodyFile, OneAttitudeInFiveNotations) {
   // +90 deg about the frame's z: the body's x axis points along the frame's y.
   for (const char* attitude :
@@ -118,7 +136,8 @@ TEST(BodyFile, WhatIsWrongIsSaidWithItsLine) {
       {"key twice", "name = 'a'\nname = 'b'\n", 2, "not valid TOML"},
       {"no name", inertia_text, 1, "name: this key is missing"},
       {"name is a number", "name = 3\n", 1, "found the number 3, text in quotes is wanted"},
-      {"unknown key", name + "colour = 'red'\n", 2, "colour: unknown key; allowed here: name, source, inertia, state"},
+      {"unknown key", name + "colour = 'red'\n", 2,
+       "colour: unknown key; allowed here: name, id, source, inertia, state"},
       {"unknown key below", name + "[inertia]\nmoments=[1,2,3]\nunits='kg m2'\n", 4, "inertia.units: unknown key"},
       {"inertia is no table", name + "inertia = [1,2,3]\n", 2, "found a list of 3, a table is wanted"},
       {"no inertia in inertia", name + "[inertia]\nunit='kg m2'\n", 2, "moments, tensor"},
@@ -151,7 +170,8 @@ TEST(BodyFile, WhatIsWrongIsSaidWithItsLine) {
       {"bare date", name + "[state]\nepoch=2000-01-01T12:00:00\nframe='ICRF'\n", 3, "date or time without quotes"},
       {"no frame", name + "[state]\nepoch='2000-01-01 TT'\n", 2, "state.frame: this key is missing"},
       {"unknown frame", name + "[state]\nepoch='2000-01-01 TT'\nframe='B1950'\n", 4, "allowed: ICRF"},
-      {"turning frame", name + "[state]\nepoch='2000-01-01 TT'\nframe='ITRF'\n", 4, "inertial frame is wanted"},
+      {"turning frame", name + "[state]\nepoch='2000-01-01 TT'\nframe='ITRF'\n", 4,
+       "'ITRF' is not a frame for a state; allowed: ICRF"},
       {"empty attitude", attitude, 5, "one of these keys is needed"},
       {"zero quaternion", attitude + "q_frame_from_body_scalar_first=[0,0,0,0]\n", 6, "zero quaternion"},
       {"three numbers", attitude + "q_frame_from_body_scalar_last=[0,0,1]\n", 6, "a list of 4 numbers"},

@@ -7,13 +7,12 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/ccsds_attitude.hpp"
-#include "polhode/read/ccsds_units.hpp"
 #include "polhode/read/text_file.hpp"
+#include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {
 
-constexpr double degree = std::numbers::pi / 180.0;
 const std::string samples = POLHODE_DATA_DIR "/samples/ccsds/";
 
 CcsdsAttitudeMessage read(const std::string& file) {
@@ -378,6 +377,29 @@ TEST(Units, KnownOnesConvert) {
   EXPECT_EQ(unit_factor("Hz", "1/s"), 1.0);
   for (const char* bad : {"deg", "furlong", "", "deg//s", "deg/s/", "deg**", "**2", "deg**x"}) {
     EXPECT_FALSE(unit_factor(bad, "deg/s").has_value()) << bad;
+  }
+}
+
+TEST(Units, AreTheSameInFilesAndOptions) {
+  EXPECT_EQ(angular_velocity_unit_rad_s("deg/day"), degree / day_s);
+  EXPECT_EQ(angular_velocity_unit_rad_s("deg/d"), degree / day_s);
+  EXPECT_EQ(angular_velocity_unit_rad_s("deg/min"), degree / 60.0);
+  EXPECT_EQ(angular_velocity_unit_rad_s("rad s^-1"), 1.0);
+  EXPECT_DOUBLE_EQ(angular_velocity_unit_rad_s("rpm"), std::numbers::pi / 30.0);
+  EXPECT_EQ(angle_unit_rad("mas"), degree / 3.6e6);
+  EXPECT_EQ(duration_unit_s("min"), 60.0);
+  EXPECT_EQ(length_unit_m("km"), 1e3);
+  EXPECT_EQ(speed_unit_m_s("km/s"), 1e3);
+  for (const char* unit : {"kg m2", "kg m^2", "kg*m**2", "kg m**2", "N m s^2"}) {
+    EXPECT_EQ(inertia_unit(unit).factor, 1.0) << unit;
+    EXPECT_TRUE(inertia_unit(unit).absolute) << unit;
+  }
+  EXPECT_DOUBLE_EQ(inertia_unit("slug ft2").factor, 0.45359237 * 9.80665 * 0.3048);
+  EXPECT_EQ(angular_momentum_unit("N m s").factor, 1.0);
+  EXPECT_EQ(angular_momentum_unit("kg m2/s").factor, 1.0);
+  EXPECT_FALSE(angular_momentum_unit("ratios/s").absolute);
+  for (const char* bad : {"Kg m2", "kg", "kg m2/", "kg  / m2", "m2 kg s", "", "2 kg m2", "kg m2 2", "100 kg m2"}) {
+    EXPECT_THROW(inertia_unit(bad), InputError) << bad;
   }
 }
 

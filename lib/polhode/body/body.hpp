@@ -34,6 +34,7 @@ struct StatedAttitude {
 /// A body as read from a file.
 struct Body {
   std::string name;
+  std::string id;      ///< designation, such as 1992-A01 or 20099942; empty: none is given
   std::string source;  ///< where the numbers come from, in the file's words
   std::optional<Inertia> inertia;
   std::optional<SpinState> state;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "polhode/base/geometry.hpp"
+#include "polhode/body/inertia.hpp"
 #include "polhode/frames/frame.hpp"
 #include "polhode/time/scale.hpp"
 
@@ -54,6 +55,7 @@ struct AttitudeHistory {
   TimeScale scale = TimeScale::utc;  ///< as written
   bool absolute_time = true;         ///< false: a clock of the spacecraft, only differences count
   std::vector<AttitudeSegment> segments;
+  std::optional<Inertia> inertia;  ///< where the file says it
   std::vector<std::string> notes;
   std::vector<std::string> warnings;
 

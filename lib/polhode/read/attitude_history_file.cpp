@@ -55,18 +55,43 @@ void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const Sourc
 
 bool is_fits(std::string_view text) { return text.starts_with("SIMPLE  ="); }
 
+/// INERTIA1..3 with QPRINC0..3 of our own tables; nothing if they are not there or cannot be.
+std::optional<Inertia> inertia_of(const FitsTable& table) {
+  std::array<double, 3> moments{};
+  std::array<double, 4> q{};
+  for (std::size_t k = 0; k < 3; ++k) moments[k] = table.number(fmt::format("INERTIA{}", k + 1)).value_or(0.0);
+  for (std::size_t k = 0; k < 4; ++k) q[k] = table.number(fmt::format("QPRINC{}", k)).value_or(0.0);
+  const Quaternion q_named_from_principal(q[0], q[1], q[2], q[3]);
+  if (!(std::abs(q_named_from_principal.norm() - 1.0) <= 1e-9)) return std::nullopt;
+  if (!std::is_sorted(moments.begin(), moments.end())) return std::nullopt;
+  try {
+    Inertia inertia =
+        inertia_from_moments({moments[0], moments[1], moments[2]}, table.unit("INERTIA1") == "kg m2");  // checks them
+    inertia.named_from_principal = q_named_from_principal.normalized().toRotationMatrix();
+    return inertia;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   const FitsTable table(bytes, "ATTITUDE", path);
   const auto fail = [&path](const std::string& message) { return InputError({path, 0}, message); };
   AttitudeHistory history;
   history.object = table.text("OBJECT").value_or("");
   history.source = "FITS table ATTITUDE";
+  history.inertia = inertia_of(table);
   const std::optional<std::string> scale = table.text("TIMESYS");
   if (!scale) throw fail("TIMESYS is missing");
   try {
     history.scale = time_scale(*scale);
   } catch (const InputError& error) {
     throw fail(error.what());
+  }
+  if (history.scale == TimeScale::et) {
+    throw fail(
+        "TIMESYS is ET, which is TT by the standard of FITS and SPICE's ET, up to 1.7 ms away, by some programs; "
+        "set it to TT or TDB");
   }
   // Where both are given the pair wins (FITS 4.0, 9.2.2).
   double day = 0.0;

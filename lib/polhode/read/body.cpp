@@ -11,6 +11,7 @@
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/mesh_file.hpp"
+#include "polhode/read/scene_file.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {
@@ -39,6 +40,7 @@ BodyAndHistory of_table(const std::string& text, const std::string& path) {
   const AttitudeSample& row = segment.samples.front();
   Body body;
   body.name = history.object.empty() ? path : history.object;
+  body.id = history.object_id;
   body.source = history.source;
   body.warnings = history.warnings;
   if (segment.known_frame) {
@@ -47,8 +49,9 @@ BodyAndHistory of_table(const std::string& text, const std::string& path) {
     body.missing.push_back("an attitude in an inertial frame (" + segment.frame + " is given)");
   }
   if (!row.omega_body_rad_s) body.missing.emplace_back("an angular velocity");
-  body.missing.emplace_back("an inertia");
-  return {std::move(body), std::move(history)};
+  body.inertia = history.inertia;
+  if (!body.inertia) body.missing.emplace_back("an inertia");
+  return {std::move(body), std::move(history), true};
 }
 
 /// A shape alone: ratios of inertia at uniform density, no state.
@@ -91,6 +94,10 @@ BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& c
     throw InputError({file, 0},
                      "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "
                      "(FITS, CSV, ECSV), DAMIT's spin.txt, shape.txt and tables, SHAPE models, meshes (OBJ, PLY, STL)");
+  }
+  if (is_scene(text)) {
+    throw InputError({file, 0},
+                     "is a scene, not a body: `polhode plan` says what it holds, and `polhode info` reads its body");
   }
   return {parse_body_file(text, file, content_of), {}};
 }

@@ -17,6 +17,7 @@ Body read_body(const std::string& path, const ContentOf& content_of = read_text_
 struct BodyAndHistory {
   Body body;
   std::optional<AttitudeHistory> history;
+  bool is_table = false;  ///< of attitudes: the body is what its header and its first row say
 };
 BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& content_of = read_text_file);
 

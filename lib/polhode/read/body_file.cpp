@@ -63,21 +63,19 @@ Inertia uniform_solid(const TomlTable& table, std::string_view form, const MassP
       form, [&] { return inertia_from_tensor(Matrix3(factor * solid.inertia_about_centre), has_mass || has_density); });
 }
 
-double length_unit_m(const TomlTable& table) {
+/// 1 where nothing depends on the unit.
+double solid_unit_m(const TomlTable& table) {
+  if (!table.has("mass_kg") && !table.has("density_kg_m3") && !table.has("length_unit")) return 1.0;
   const std::string unit = table.text("length_unit");
-  if (unit == "m") return 1.0;
-  if (unit == "km") return 1e3;
-  if (unit == "mm") return 1e-3;
-  throw table.error("length_unit", fmt::format("'{}' is not a unit of length; allowed: m, km, mm", unit));
+  return table.located("length_unit", [&] { return length_unit_m(unit); });
 }
 
 Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
   table.allow_only({"mesh", "mass_kg", "density_kg_m3", "length_unit"});
   const std::filesystem::path named = table.text("mesh");
   const std::string file = (named.is_absolute() ? named : std::filesystem::path(path).parent_path() / named).string();
-  const double unit_m =
-      table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
-  const TriangleMesh mesh = read_mesh(content_of(file), file);
+  const double unit_m = solid_unit_m(table);
+  const TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(file); }), file);
   const MassProperties solid = table.located("mesh", [&] { return mass_properties(mesh); });
   body.notes.push_back(describe(solid));
   return uniform_solid(table, "mesh", solid, unit_m);
@@ -87,8 +85,7 @@ Inertia read_ellipsoid_inertia(const TomlTable& table) {
   table.allow_only({"semi_axes", "mass_kg", "density_kg_m3", "length_unit"});
   const Vector3 axes = table.vector3("semi_axes");
   if (!(axes.minCoeff() > 0.0)) throw table.error("semi_axes", "must be positive");
-  const double unit_m =
-      table.has("mass_kg") || table.has("density_kg_m3") || table.has("length_unit") ? length_unit_m(table) : 1.0;
+  const double unit_m = solid_unit_m(table);
   const Vector3 squares = axes.cwiseProduct(axes);
   MassProperties solid;
   solid.volume = 4.0 / 3.0 * std::numbers::pi * axes.prod();
@@ -101,9 +98,10 @@ Inertia read_ellipsoid_inertia(const TomlTable& table) {
 Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
   if (table.has("mesh")) return read_mesh_inertia(table, body, path, content_of);
   if (table.has("semi_axes")) return read_ellipsoid_inertia(table);
-  table.allow_only(
-      {"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis", "short_axis"});
-  const std::string_view form = table.one_of({"moments", "tensor"});
+  // The last two have been asked for: they stand here for the messages.
+  table.allow_only({"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis",
+                    "short_axis", "mesh", "semi_axes"});
+  const std::string_view form = table.one_of({"moments", "tensor", "mesh", "semi_axes"});
   const std::string unit_name = table.text("unit");
   const InertiaUnit unit = table.located("unit", [&] { return inertia_unit(unit_name); });
   const bool axes_named = table.has("long_axis") || table.has("intermediate_axis") || table.has("short_axis");
@@ -147,6 +145,15 @@ Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path
   return inertia;
 }
 
+/// An angle in rad beyond one turn is most likely one in degrees.
+void warn_of_degrees(const TomlTable& table, std::string_view key, double largest_rad, std::string_view unit,
+                     Body& body) {
+  constexpr double turn_rad = 2.0 * std::numbers::pi * (1.0 + 1e-6);
+  if (unit != "rad" || !(std::abs(largest_rad) > turn_rad)) return;
+  body.warnings.push_back(fmt::format("{}: {} has {:g} under unit = \"rad\", more than one turn; are degrees meant?",
+                                      table.where(key).text(), key, largest_rad));
+}
+
 constexpr std::array<std::string_view, 4> quaternion_keys{
     "q_frame_from_body_scalar_first", "q_frame_from_body_scalar_last", "q_body_from_frame_scalar_first",
     "q_body_from_frame_scalar_last"};
@@ -161,7 +168,9 @@ Quaternion read_attitude(const TomlTable& table, Body& body) {
     const std::string unit = table.text("unit");
     const EulerSequence sequence = table.located("sequence", [&] { return EulerSequence(name); });
     const double unit_rad = table.located("unit", [&] { return angle_unit_rad(unit); });
-    return q_frame_from_body(sequence, unit_rad * table.vector3(form));
+    const Vector3 angles = table.vector3(form);
+    warn_of_degrees(table, form, angles.cwiseAbs().maxCoeff(), unit, body);
+    return q_frame_from_body(sequence, unit_rad * angles);
   }
   for (const std::string_view key : {"sequence", "unit"}) {
     if (table.has(key)) throw table.error(key, "goes with euler_angles, not with a quaternion");
@@ -224,8 +233,7 @@ SpinState read_state(const TomlTable& table, Body& body) {
     if (const auto doubt = utc_doubt(date.instant)) body.warnings.push_back("epoch: " + *doubt);
   }
   const std::string frame_name = table.text("frame");
-  state.frame = table.located("frame", [&] { return frame(frame_name); });
-  if (state.frame == Frame::itrf) throw table.error("frame", "ITRF turns with the Earth; an inertial frame is wanted");
+  state.frame = table.located("frame", [&] { return frame_of_state(frame_name); });
   if (table.has("attitude")) state.q_frame_from_named = read_attitude(table.table("attitude"), body);
   if (table.has("angular_velocity") || table.has("angular_momentum")) {
     const std::string_view rate = table.one_of({"angular_velocity", "angular_momentum"});
@@ -246,10 +254,12 @@ void read_spin(const TomlTable& table, Body& body) {
   spin.epoch = date.instant;
   spin.epoch_scale = date.scale;
   const std::string frame_name = table.text("frame");
-  spin.frame = table.located("frame", [&] { return frame(frame_name); });
-  if (!is_inertial(spin.frame)) throw table.error("frame", "an inertial frame is wanted");
+  spin.frame = table.located("frame", [&] { return inertial_frame(frame_name); });
   const std::string unit = table.text("unit");
   const double unit_deg = table.located("unit", [&] { return angle_unit_rad(unit); }) * 180.0 / std::numbers::pi;
+  for (const std::string_view key : {"lambda", "beta", "phi0", "psi0", "theta0"}) {
+    if (table.has(key)) warn_of_degrees(table, key, table.number(key), unit, body);
+  }
   spin.longitude_deg = unit_deg * table.number("lambda");
   spin.latitude_deg = unit_deg * table.number("beta");
   if (std::abs(spin.latitude_deg) > 90.0) throw table.error("beta", "must be from -90 to 90 deg");
@@ -258,9 +268,7 @@ void read_spin(const TomlTable& table, Body& body) {
   };
   spin.phi0_deg = angle("phi0");
   const std::string period_unit = table.text("period_unit");
-  const double unit_s = period_unit == "s" ? 1.0 : period_unit == "h" ? 3600.0 : period_unit == "d" ? 86400.0 : 0.0;
-  if (unit_s == 0.0)
-    throw table.error("period_unit", fmt::format("'{}' is not a unit of time; allowed: s, h, d", period_unit));
+  const double unit_s = table.located("period_unit", [&] { return duration_unit_s(period_unit); });
   const auto period = [&](std::string_view key) {
     const double value = unit_s * table.number(key);
     if (!(value > 0.0)) throw table.error(key, "must be positive");
@@ -296,9 +304,10 @@ void read_spin(const TomlTable& table, Body& body) {
 
 Body parse_body_file(std::string_view text, const std::string& path, const ContentOf& content_of) {
   const TomlTable root = TomlTable::parse(text, path);
-  root.allow_only({"name", "source", "period_uncertainty", "inertia", "state", "spin"});
+  root.allow_only({"name", "id", "source", "period_uncertainty", "inertia", "state", "spin"});
   Body body;
   body.name = root.text("name");
+  body.id = root.optional_text("id").value_or("");
   body.source = root.optional_text("source").value_or("");
   if (root.has("period_uncertainty")) body.period_uncertainty = root.positive_number("period_uncertainty");
   if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, path, content_of);

@@ -481,6 +481,7 @@ class Reader {
     const CcsdsFields metadata(segment.metadata, apm_metadata_rules, "the metadata of " + message_name(), file_);
     set_clock(metadata);
     out_.body.name = metadata.text("OBJECT_NAME");
+    out_.body.id = metadata.text("OBJECT_ID");
     CcsdsBlock data = segment.data;
     bool v1_blocks = v1_;
     if (v1_ && !in_.xml && !data.blocks.empty()) {
@@ -872,7 +873,8 @@ class Reader {
         out_.body.name = f.text("OBJECT_NAME");
         id = f.normal("OBJECT_ID");
         history.object = out_.body.name;
-        history.object_id = f.text("OBJECT_ID");
+        out_.body.id = f.text("OBJECT_ID");
+        history.object_id = out_.body.id;
         history.scale = clock_.scale;
         history.absolute_time = clock_.known;
       } else if (f.normal("OBJECT_ID") != id) {
@@ -1202,7 +1204,9 @@ class Reader {
     bool last_is_single = false;
     AttitudeHistory history;
     history.object = out_.body.name;
-    history.object_id = metadata.text("INTERNATIONAL_DESIGNATOR");
+    out_.body.id = metadata.text("INTERNATIONAL_DESIGNATOR");
+    if (out_.body.id.empty()) out_.body.id = metadata.text("OBJECT_DESIGNATOR");
+    history.object_id = out_.body.id;
     history.scale = clock_.scale;
     history.absolute_time = clock_.known;
     std::size_t covariances = 0;

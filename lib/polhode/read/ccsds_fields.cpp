@@ -6,8 +6,8 @@
 #include <array>
 #include <cmath>
 
-#include "polhode/read/ccsds_units.hpp"
 #include "polhode/read/text.hpp"
+#include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {

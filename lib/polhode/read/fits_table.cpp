@@ -154,6 +154,15 @@ std::optional<std::string> FitsTable::text(std::string_view keyword) const { ret
 
 std::optional<double> FitsTable::number(std::string_view keyword) const { return number(header_, keyword); }
 
+std::string FitsTable::unit(std::string_view keyword) const {
+  const auto found = header_.find(keyword);
+  if (found == header_.end()) return {};
+  const std::string_view card(found->second);
+  const std::size_t begin = card.find("/ ["), end = card.find(']', begin);
+  if (begin == std::string_view::npos || end == std::string_view::npos) return {};
+  return std::string(card.substr(begin + 3, end - begin - 3));
+}
+
 std::optional<FitsTable::Column> FitsTable::column(std::string_view name, std::size_t width) const {
   const std::size_t columns = count(header_, "TFIELDS");
   if (columns > most_columns) throw InputError({file_, 0}, fmt::format("broken FITS: TFIELDS = {}", columns));

@@ -23,6 +23,8 @@ class FitsTable {
   /// The value of a keyword of the table's header; nothing if it is absent or of another kind.
   std::optional<std::string> text(std::string_view keyword) const;
   std::optional<double> number(std::string_view keyword) const;
+  /// "kg m2" of a comment "[kg m2] …" beside the keyword's value; empty: none.
+  std::string unit(std::string_view keyword) const;
 
   struct Column {
     std::vector<double> values;  ///< rows() x width; NaN where the file has none

@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <array>
-#include <cctype>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
-#include <span>
 #include <string>
 
 #include "polhode/base/error.hpp"
@@ -16,57 +14,58 @@
 namespace polhode {
 namespace {
 
-struct QuantityUnit {
-  std::string_view name;
-  double size;
-};
-
 struct Quantity {
   std::string number;
-  double unit;
+  std::string_view unit;
 };
 
-/// Splits "1.5 min" and looks up the unit, the first one if none stands there.
-Quantity quantity(std::string_view text, const char* what, std::span<const QuantityUnit> units) {
-  const std::string_view whole = trimmed(text);
-  std::size_t end = whole.size();
-  // A unit is the letters at the end, but the e of an exponent has digits behind it.
-  while (end > 0 && std::isalpha(static_cast<unsigned char>(whole[end - 1])) != 0) --end;
-  const std::string_view number = trimmed(whole.substr(0, end));
-  const std::string_view unit = whole.substr(end);
-  std::string allowed;
-  const std::string_view wanted = unit.empty() ? units.front().name : unit;
-  double size = 0.0;
-  for (const QuantityUnit& u : units) {
-    if (u.name == wanted) size = u.size;
-    allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", u.name);
+/// Splits "1.5 min"; without a unit it is `usual`.
+Quantity quantity(std::string_view text, const char* what, std::string_view usual) {
+  std::string_view number = trimmed(text);
+  if (number.starts_with('+')) number.remove_prefix(1);
+  double value = 0.0;
+  const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
+  if (error != std::errc{} || !std::isfinite(value)) {
+    throw InputError(
+        fmt::format("'{:.60}' is no {}: a number with its unit is wanted, as '1.5 {}'", text, what, usual));
   }
-  if (!parse_number(number) || size == 0.0) {
-    throw InputError(fmt::format("'{:.60}' is no {}: a number, then one of {}", text, what, allowed));
+  const std::string_view unit = trimmed(std::string_view(end, number.data() + number.size()));
+  return {std::string(number.data(), end), unit.empty() ? usual : unit};
+}
+
+/// Runs `factor` of the unit; its error says what the text was to be.
+template <class Factor>
+double unit_of(const Quantity& quantity, std::string_view text, const char* what, const Factor& factor) {
+  try {
+    return factor(quantity.unit);
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("'{:.60}' is no {}: {}", text, what, error.what()));
   }
-  return {std::string(number), size};
 }
 
 }  // namespace
 
 Seconds parse_duration(std::string_view text) {
-  constexpr std::array units{QuantityUnit{"s", 1.0}, QuantityUnit{"min", 60.0}, QuantityUnit{"h", hour_s},
-                             QuantityUnit{"d", day_s}, QuantityUnit{"ms", 1e-3}};
-  const Quantity q = quantity(text, "span of time", units);
-  const double high = *parse_number(q.number);
+  const Quantity q = quantity(text, "span of time", "s");
+  const double unit_s = unit_of(q, text, "span of time", duration_unit_s);
+  const double high = std::strtod(q.number.c_str(), nullptr);
   const long double rest = std::strtold(q.number.c_str(), nullptr) - static_cast<long double>(high);
-  return exact_product(high, q.unit) + Seconds{static_cast<double>(rest) * q.unit, 0.0};
+  const Seconds span = exact_product(high, unit_s) + Seconds{static_cast<double>(rest) * unit_s, 0.0};
+  constexpr double longest_s = 1e18;  // the age of the universe, twice
+  if (std::abs(span.high) <= longest_s) return span;
+  throw InputError(fmt::format("'{:.60}' is too long a span of time; at most {:g} s", text, longest_s));
 }
 
 double parse_angle_rad(std::string_view text) {
-  constexpr std::array units{QuantityUnit{"rad", 1.0},
-                             QuantityUnit{"deg", degree},
-                             QuantityUnit{"arcmin", degree / 60.0},
-                             QuantityUnit{"arcsec", degree / 3600.0},
-                             QuantityUnit{"mas", degree / 3.6e6},
-                             QuantityUnit{"uas", degree / 3.6e9}};
-  const Quantity q = quantity(text, "angle", units);
-  return *parse_number(q.number) * q.unit;
+  const Quantity q = quantity(text, "angle", "rad");
+  return std::strtod(q.number.c_str(), nullptr) * unit_of(q, text, "angle", angle_unit_rad);
+}
+
+double parse_tolerance_rad(std::string_view text) {
+  const double tolerance_rad = parse_angle_rad(text);
+  if (tolerance_rad >= smallest_tolerance_rad) return tolerance_rad;
+  throw InputError(fmt::format("found '{:.60}', an angle of {} rad or more is wanted: doubles hold no less", text,
+                               smallest_tolerance_rad));
 }
 
 }  // namespace polhode

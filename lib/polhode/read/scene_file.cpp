@@ -7,7 +7,9 @@
 #include <map>
 
 #include "polhode/base/error.hpp"
+#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
+#include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/mesh_file.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/text.hpp"
@@ -37,7 +39,7 @@ Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, c
   }
   request.zero = scene.body.state->epoch;
   const std::string path = (folder / table.text("trajectory")).string();
-  TabulatedOrbit orbit = parse_trajectory(content_of(path), path, request);
+  TabulatedOrbit orbit = parse_trajectory(table.opened("trajectory", [&] { return content_of(path); }), path, request);
   if (!(orbit.first_s() <= scene.first_s && scene.last_s <= orbit.last_s())) {
     const auto date = [&](double t_s) { return format_date(request.zero + Seconds{t_s, 0.0}, TimeScale::tdb, 0); };
     throw table.error("trajectory",
@@ -146,7 +148,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     table.allow_only({"kind", "mesh", "unit_m", "specular", "diffuse", "orbit"});
     need_absolute(table, inertia);
     const std::string path = (folder / table.text("mesh")).string();
-    TriangleMesh mesh = read_mesh(content_of(path), path);
+    TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(path); }), path);
     const double unit_m = table.number("unit_m");
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
     const Vector3 centre = mass_properties(mesh).centre_of_mass;
@@ -177,20 +179,28 @@ bool is_scene(std::string_view text) {
 Scene read_scene(const std::string& path) { return parse_scene(read_text_file(path), path, read_text_file); }
 
 Scene parse_scene(std::string_view content, const std::string& path, const ContentOf& content_of) {
+  const std::string whole(content);
+  constexpr const char* no_scene =
+      "is no scene, but a body or an attitude history: `polhode info` says what it holds; a scene names it, body = "
+      "\"…\"";
+  if (is_ccsds(whole) || is_attitude_table(whole)) throw InputError({path, 0}, no_scene);
   const TomlTable root = TomlTable::parse(content, path);
+  if (root.has("inertia") || root.has("state") || root.has("spin")) throw InputError({path, 0}, no_scene);
   root.allow_only(
       {"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit", "torque"});
   Scene scene;
   scene.name = root.text("name");
   scene.source = root.text("source");
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  scene.body = read_body((folder / root.text("body")).string(), content_of);
+  const std::string body_path = (folder / root.text("body")).string();
+  scene.body = root.opened("body", [&] { return read_body(body_path, content_of); });
   if (!scene.body.inertia || !scene.body.state || !scene.body.state->omega_named_rad_s ||
       !scene.body.state->q_frame_from_named) {
-    throw root.error("body", "the body has no inertia, or no attitude and rate at an epoch; a scene needs them");
+    throw root.error(
+        "body", fmt::format("{} has no inertia, or no attitude and rate at an epoch; a scene needs them", body_path));
   }
   const std::string frame_name = root.text("frame");
-  scene.frame = root.located("frame", [&] { return frame(frame_name); });
+  scene.frame = root.located("frame", [&] { return inertial_frame(frame_name); });
   const auto duration_s = [&](std::string_view key) {
     if (!root.has(key)) return 0.0;
     const std::string text = root.text(key);
@@ -203,9 +213,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   if (scene.first_s == scene.last_s)
     throw root.error("after", "the span is empty; 'before' or 'after' says how long it is");
   const std::string accuracy = root.text("accuracy");
-  scene.accuracy_rad = root.located("accuracy", [&] { return parse_angle_rad(accuracy); });
-  if (!(scene.accuracy_rad > 0.0))
-    throw root.error("accuracy", fmt::format("found '{}', a positive angle is wanted", accuracy));
+  scene.accuracy_rad = root.located("accuracy", [&] { return parse_tolerance_rad(accuracy); });
   if (root.has("period_uncertainty")) scene.body.period_uncertainty = root.positive_number("period_uncertainty");
   const Orbits orbits = read_orbits(root, scene, folder, content_of);
   std::vector<Torque> torques;

@@ -21,6 +21,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "polhode/read/text.hpp"
+
 namespace polhode {
 
 struct TomlTable::Node {
@@ -55,6 +57,22 @@ std::string kind(const toml::node& node) {
   }
 }
 
+/// The word without quotes that is the value of a line `key = word`; empty if the line is another.
+std::string_view bare_word(std::string_view text, std::size_t line) {
+  for (std::size_t i = 1; i < line; ++i) take_line(text);
+  const std::string_view content = take_line(text);
+  const std::size_t equals = content.find('=');
+  if (equals == std::string_view::npos) return {};
+  const std::string_view value = trimmed(content.substr(equals + 1, content.find('#', equals) - equals - 1));
+  const auto is_of_word = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '/' || c == '-' ||
+           c == '_' || c == '.' || c == ' ';
+  };
+  const bool begins = !value.empty() && ((value[0] >= 'a' && value[0] <= 'z') || (value[0] >= 'A' && value[0] <= 'Z'));
+  const bool is_word = begins && value.size() <= 60 && std::all_of(value.begin(), value.end(), is_of_word);
+  return is_word && value != "true" && value != "false" && value != "inf" && value != "nan" ? value : "";
+}
+
 std::size_t line_of(const toml::node& node) { return node.source().begin.line; }
 
 }  // namespace
@@ -64,8 +82,12 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
     auto document = std::make_shared<const toml::table>(toml::parse(text, path));
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, ""}));
   } catch (const toml::parse_error& problem) {
-    throw InputError({path, problem.source().begin.line},
-                     fmt::format("not valid TOML: {}", std::string(problem.description())));
+    const std::size_t line = problem.source().begin.line;
+    const std::string_view word = bare_word(text, line);
+    if (!word.empty()) {
+      throw InputError({path, line}, fmt::format("not valid TOML: {0} is text, which stands in quotes: \"{0}\"", word));
+    }
+    throw InputError({path, line}, fmt::format("not valid TOML: {}", std::string(problem.description())));
   }
 }
 

@@ -50,6 +50,15 @@ class TomlTable {
       throw error(key, problem.what());
     }
   }
+  /// Runs `work`, which opens the file that this key names, and puts the key's place before a FileError of its own.
+  template <class Work>
+  auto opened(std::string_view key, const Work& work) const {
+    try {
+      return work();
+    } catch (const FileError& problem) {
+      throw FileError(error(key, problem.what()).what());
+    }
+  }
 
  private:
   struct Node;

@@ -4,14 +4,15 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <string_view>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/ccsds_fields.hpp"
 #include "polhode/read/ccsds_tree.hpp"
+#include "polhode/read/date_column.hpp"
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
+#include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {
@@ -189,7 +190,7 @@ class TextTableReader {
     const ToFrame to_frame(request_.table_frame.value_or(request_.frame), request_.frame);
     read_header(text);
     const SourceLocation names_at{path_, line_};
-    const std::function<Instant(std::string_view)> instant = clock();
+    const DateReader instant = clock();
     const std::array<Column, 3> place{column("x"), column("y"), column("z")};
     const bool with_velocity = find("vx") || find("vy") || find("vz");
     std::array<Column, 3> motion{};
@@ -248,7 +249,7 @@ class TextTableReader {
         return;
       }
       const std::string_view comment = trimmed(content.substr(1));
-      if (comment.starts_with("scale:")) scale_ = trimmed(comment.substr(6));  // of a column of times
+      if (const auto scale = scale_in_ecsv_header(comment); !scale.empty()) scale_ = scale;
       // - {name: x, unit: km, datatype: float64}
       const std::size_t name = comment.find("{name: "), unit = comment.find("unit: ");
       if (name == std::string_view::npos || unit == std::string_view::npos) continue;
@@ -261,21 +262,10 @@ class TextTableReader {
     throw InputError({path_, line_}, "the table has no line of column names");
   }
 
-  std::vector<std::string_view> split(std::string_view line) const {
-    if (!comma_) return split_words(line);
-    std::vector<std::string_view> cells;
-    for (std::size_t at = 0; at <= line.size();) {
-      const std::size_t end = std::min(line.find(',', at), line.size());
-      std::string_view cell = trimmed(line.substr(at, end - at));
-      if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
-      cells.push_back(cell);
-      at = end + 1;
-    }
-    return cells;
-  }
+  std::vector<std::string_view> split(std::string_view line) const { return table_cells(line, comma_); }
 
   /// What the first column says.
-  std::function<Instant(std::string_view)> clock() const {
+  DateReader clock() const {
     const std::string& name = names_[0];
     if (name == "t_s") {
       return [zero = request_.zero](std::string_view text) {
@@ -284,24 +274,17 @@ class TextTableReader {
         return zero + Seconds{*seconds, 0.0};
       };
     }
-    if (name != "time" && !name.starts_with("date_")) {
-      throw InputError({path_, line_}, fmt::format("the first column is '{:.40}'; allowed: date_ and a time scale "
-                                                   "(date_tdb), time with its scale in an ECSV header, t_s",
-                                                   name));
-    }
-    if (name == "time" && scale_.empty()) {
-      throw InputError({path_, line_}, "the header says no scale of the column time; date_tdb names one");
-    }
     try {
-      const TimeScale scale = time_scale(name == "time" ? std::string_view(scale_) : std::string_view(name).substr(5));
-      return [scale](std::string_view text) { return parse_date(text, scale); };
+      if (DateReader reader = date_column(name, scale_)) return reader;
     } catch (const InputError& error) {
       throw InputError({path_, line_}, error.what());
     }
+    throw InputError({path_, line_}, fmt::format("the first column is '{:.40}'; allowed: date_, jd_ or mjd_ and a time "
+                                                 "scale (date_tdb), time with its scale in an ECSV header, t_s",
+                                                 name));
   }
 
   std::optional<Column> find(std::string_view wanted) const {
-    constexpr double au_m = 149597870700.0;
     const bool speed = wanted.starts_with('v');
     for (std::size_t i = 1; i < names_.size(); ++i) {
       const std::string& name = names_[i];
@@ -318,14 +301,14 @@ class TextTableReader {
       } else {
         continue;
       }
-      std::erase_if(unit, [](char c) { return c == ' ' || c == '\'' || c == '"'; });
-      if (speed && (unit == "m/s" || unit == "m_s")) return Column{i, 1.0};
-      if (speed && (unit == "km/s" || unit == "km_s")) return Column{i, 1e3};
-      if (!speed && unit == "m") return Column{i, 1.0};
-      if (!speed && unit == "km") return Column{i, 1e3};
-      if (!speed && (unit == "au" || unit == "AU")) return Column{i, au_m};
-      throw InputError({path_, line_}, fmt::format("column {} is in '{:.20}'; {} can be read", name, unit,
-                                                   speed ? "m/s and km/s" : "m, km and au"));
+      std::erase_if(unit, [](char c) { return c == '\'' || c == '"'; });
+      if (unit == "AU") unit = "au";
+      std::replace(unit.begin(), unit.end(), '_', '/');  // vx_km_s
+      try {
+        return Column{i, speed ? speed_unit_m_s(unit) : length_unit_m(unit)};
+      } catch (const InputError& error) {
+        throw InputError({path_, line_}, fmt::format("column {}: {}", name, error.what()));
+      }
     }
     return std::nullopt;
   }
