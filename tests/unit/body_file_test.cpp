@@ -137,7 +137,7 @@ TEST(BodyFile, WhatIsWrongIsSaidWithItsLine) {
       {"no name", inertia_text, 1, "name: this key is missing"},
       {"name is a number", "name = 3\n", 1, "found the number 3, text in quotes is wanted"},
       {"unknown key", name + "colour = 'red'\n", 2,
-       "colour: unknown key; allowed here: name, id, source, inertia, state"},
+       "colour: unknown key; allowed here: name, id, source, period_uncertainty, "},
       {"unknown key below", name + "[inertia]\nmoments=[1,2,3]\nunits='kg m2'\n", 4, "inertia.units: unknown key"},
       {"inertia is no table", name + "inertia = [1,2,3]\n", 2, "found a list of 3, a table is wanted"},
       {"no inertia in inertia", name + "[inertia]\nunit='kg m2'\n", 2, "moments, tensor"},
