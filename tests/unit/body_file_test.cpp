@@ -205,6 +205,26 @@ TEST(BodyFile, WhatIsWrongIsSaidWithItsLine) {
   }
 }
 
+TEST(BodyFile, NamesMayHoldEveryCharacter) {
+  const std::string letters = "\uFDFA\uFE0F";
+  EXPECT_EQ(parse("name = '" + letters + "'  # " + letters + "\n# " + letters).name, letters);
+  EXPECT_EQ(parse("name = \"\"\"a\"\" " + letters + " \\\n  b\\\"" + letters + "\"\"\"\"\"\n").name,
+            "a\"\" " + letters + " b\"" + letters + "\"\"");
+}
+
+TEST(BodyFile, CharactersOutOfPlaceAreRefused) {
+  for (const std::string text : {"[\x01]", "\uFDFA=1", "[\uFB26]", "name=\uFEFE'a'", "name='a'\uFB26",
+                                 "name='''a'''\uFB26", "name=\"\"\"a\"\"\"\"\"\uFB26", "name=\"\"\"\\\uFE0F\"\"\"",
+                                 "name=\"\"\"\\ \t\n \uFE0F\"\"\"", "name=\"\\\"\" \uFB26"}) {
+    try {
+      parse("# \uFDFA '''\n" + text);
+      ADD_FAILURE() << text << ": accepted";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("not valid TOML: "), std::string::npos) << text << ": " << error.what();
+    }
+  }
+}
+
 TEST(BodyFile, LongQuaternionsAndDoubtfulDatesAreWarnedOf) {
   EXPECT_EQ(parse(std::string("name='a'\n") + state_text + "[state.attitude]\nq_frame_from_body_scalar_first=[1,0,0,1]")
                 .warnings.size(),
