@@ -4,6 +4,8 @@
 
 #include <iterator>
 
+#include "polhode/motion/rivals/rivals.hpp"
+
 #include "output.hpp"
 #include "subcommands.hpp"
 
@@ -18,6 +20,10 @@ void add_methods(CLI::App& app) {
       fmt::format_to(std::back_inserter(text),
                      "{}\n  kind       {}\n  order      {}\n  conserves  {}\n  fails      {}\n  source     {}\n",
                      m.name, m.kind, m.order, m.conserves, m.fails, m.source);
+    }
+    for (const rivals::AbsentMethod& absent : rivals::absent_methods()) {
+      fmt::format_to(std::back_inserter(text), "{}\n  absent     this program was built without {}\n", absent.name,
+                     absent.library);
     }
     write_standard_output({text.data(), text.size()});
   });

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <sstream>
 
+#include "polhode/base/error.hpp"
 #include "polhode/motion/rivals/discrete_moser_veselov.hpp"
 #include "polhode/motion/rivals/implicit_midpoint.hpp"
 #include "polhode/motion/rivals/integrated_motion.hpp"
@@ -417,6 +418,38 @@ TEST(TorquedRivals, AtRestThereIsNoAnswer) {
   const TorquedMethod& method = torqued_methods().front();
   EXPECT_TRUE(std::isnan(
       IntegratedMotion(body, all_kinds_of_torques(), {}, method.run, method.scheme).at(1.0).momentum_body[0]));
+}
+
+// --- Libraries that a build may lack
+// ---------------------------------------------------------------------------------------
+
+TEST(Libraries, WhatAMissingOneTakesAwayIsSaid) {
+  for (const std::string_view name : {"bulirsch-stoer", "fehlberg-78", "dormand-prince-5", "cvode-adams"}) {
+    const auto named = [&](const auto& m) { return m.name == name; };
+    const auto absent = std::find_if(absent_methods().begin(), absent_methods().end(), named);
+    const bool is_absent = absent != absent_methods().end();
+    EXPECT_EQ(std::none_of(methods().begin(), methods().end(), named), is_absent) << name;
+    EXPECT_EQ(std::none_of(torqued_methods().begin(), torqued_methods().end(), named), is_absent) << name;
+    if (!is_absent) continue;
+    try {
+      method(name);
+      ADD_FAILURE() << name << " is absent and made";
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("without " + std::string(absent->library)), std::string::npos);
+    }
+  }
+}
+
+TEST(Libraries, SundialsIsSilentWhereItFails) {
+  if (std::any_of(absent_methods().begin(), absent_methods().end(),
+                  [](const AbsentMethod& m) { return m.name == "cvode-adams"; })) {
+    GTEST_SKIP() << "cvode-adams is absent: built without SUNDIALS";
+  }
+  testing::internal::CaptureStderr();
+  const FreeBody body = tumbling_body();
+  const auto motion = method("cvode-adams").make_controlled(body, {.max_evaluations = 10});
+  EXPECT_TRUE(std::isnan(motion->at(1e3 * turn_s(body)).momentum_body[0]));
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 // --- Known failures

@@ -64,6 +64,12 @@ const Method& method(std::string_view name) {
     if (name == m.name || name == "auto") return m;
     allowed += fmt::format(", {}", m.name);
   }
+  for (const rivals::AbsentMethod& absent : rivals::absent_methods()) {
+    if (name == absent.name) {
+      throw InputError(fmt::format("method '{}' is absent: this program was built without {}; allowed are {}", name,
+                                   absent.library, allowed));
+    }
+  }
   throw InputError(fmt::format("unknown method '{:.40}', allowed are {}", name, allowed));
 }
 

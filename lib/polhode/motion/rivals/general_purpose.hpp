@@ -5,7 +5,7 @@
 namespace polhode::rivals {
 
 /// Integrators of kept libraries on the seven equations of right_hand_side.hpp, each in its fastest call: interpolated
-/// output where the method has it.
+/// output where the method has it. A library may be missing from a build, and its methods with it (absent_methods).
 
 /// Boost.odeint: Dormand & Prince, J. Comput. Appl. Math. 6, 19 (1980), order 5(4), dense output.
 std::int64_t run_dormand_prince_5(const Problem& problem, std::span<const double> times, State<double>* out);
@@ -19,10 +19,8 @@ std::int64_t run_bulirsch_stoer(const Problem& problem, std::span<const double> 
 /// Our taylor.hpp, dense output.
 std::int64_t run_taylor(const Problem& problem, std::span<const double> times, State<double>* out);
 
-#ifdef POLHODE_HAS_SUNDIALS
 /// SUNDIALS CVODE, Adams-Moulton of order 1 to 12 with functional iteration, dense output. Hindmarsh et al., ACM TOMS
 /// 31, 363 (2005).
 std::int64_t run_cvode_adams(const Problem& problem, std::span<const double> times, State<double>* out);
-#endif
 
 }  // namespace polhode::rivals

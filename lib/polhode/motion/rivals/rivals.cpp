@@ -91,6 +91,7 @@ std::span<const Method> methods() {
            "Celledoni, Marthinsen & Owren, Future Gener. Comput. Syst. 19, 341 (2003)"}),
       adaptive<run_taylor>("taylor", {"1 - ln(tolerance) / 2", tolerance_only, tolerance_fails,
                                       "Jorba & Zou, Exp. Math. 14, 99 (2005)"}),
+#ifdef POLHODE_HAS_ODEINT
       adaptive<run_bulirsch_stoer>("bulirsch-stoer", {"variable", tolerance_only, tolerance_fails,
                                                       "Bulirsch & Stoer, Numer. Math. 8, 1 (1966); Boost.odeint"}),
       adaptive<run_fehlberg_78>(
@@ -98,6 +99,7 @@ std::span<const Method> methods() {
       adaptive<run_dormand_prince_5>("dormand-prince-5",
                                      {"5(4)", tolerance_only, tolerance_fails,
                                       "Dormand & Prince, J. Comput. Appl. Math. 6, 19 (1980); Boost.odeint"}),
+#endif
 #ifdef POLHODE_HAS_SUNDIALS
       adaptive<run_cvode_adams>("cvode-adams", {"1 to 12", tolerance_only, tolerance_fails,
                                                 "Hindmarsh et al., ACM TOMS 31, 363 (2005); SUNDIALS"}),
@@ -110,6 +112,20 @@ std::span<const Method> methods() {
       fixed_step<FirstOrderQuaternion<double>>(
           "quaternion-1", "general",
           {"1", "|q|", "momentum and energy grow exponentially: useless beyond a few turns", "common practice"}),
+  };
+  return all;
+}
+
+std::span<const AbsentMethod> absent_methods() {
+  static const std::vector<AbsentMethod> all{
+#ifndef POLHODE_HAS_ODEINT
+      {"bulirsch-stoer", "Boost.odeint"},
+      {"fehlberg-78", "Boost.odeint"},
+      {"dormand-prince-5", "Boost.odeint"},
+#endif
+#ifndef POLHODE_HAS_SUNDIALS
+      {"cvode-adams", "SUNDIALS"},
+#endif
   };
   return all;
 }

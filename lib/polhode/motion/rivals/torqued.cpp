@@ -49,11 +49,13 @@ std::span<const TorquedMethod> torqued_methods() {
     list.push_back(kicked<TopAndRotation<double, 8>>("top-rotation-8 near-10-6-4", "near-10-6-4", celledoni));
     list.push_back(kicked<DiscreteMoserVeselov<double, 6>>("dmv-6 near-10-6-4", "near-10-6-4", hairer));
     list.push_back(kicked<DiscreteMoserVeselov<double, 10>>("dmv-10 near-10-6-4", "near-10-6-4", hairer));
+#ifdef POLHODE_HAS_ODEINT
     list.push_back(
         general("bulirsch-stoer", "Bulirsch & Stoer, Numer. Math. 8, 1 (1966); Boost.odeint", run_bulirsch_stoer));
     list.push_back(general("fehlberg-78", "Fehlberg, NASA TR R-287 (1968); Boost.odeint", run_fehlberg_78));
     list.push_back(general("dormand-prince-5", "Dormand & Prince, J. Comput. Appl. Math. 6, 19 (1980); Boost.odeint",
                            run_dormand_prince_5));
+#endif
 #ifdef POLHODE_HAS_SUNDIALS
     list.push_back(general("cvode-adams", "Hindmarsh et al., ACM TOMS 31, 363 (2005); SUNDIALS", run_cvode_adams));
 #endif
