@@ -10,6 +10,7 @@
 #include <string>
 
 #include "polhode/base/error.hpp"
+#include "polhode/time/clock.hpp"
 
 namespace polhode {
 namespace {
@@ -79,9 +80,8 @@ TimeGrid TimeGrid::with_step(Instant start, Instant stop, Seconds step, TimeScal
   }
   if (span.high < 0.0) throw InputError(fmt::format("stop is {} s before start; it must not be", -span.high));
   const double steps = span.high / step.high;
-  constexpr double most_rows = 1e15;
-  if (!(steps < most_rows)) {
-    throw InputError(fmt::format("a step of {} s makes {:.3g} rows; at most {:.0e}", step.high, steps, most_rows));
+  if (!(steps < static_cast<double>(most_rows))) {
+    throw InputError(fmt::format("a step of {} s makes {:.3g} rows; at most {}", step.high, steps, most_rows));
   }
   // TDB swings about TT by 1.7 ms, at most 3.3e-10 of itself: what is a whole number of steps in one scale is one in
   // all.
@@ -93,7 +93,9 @@ TimeGrid TimeGrid::with_step(Instant start, Instant stop, Seconds step, TimeScal
 }
 
 TimeGrid TimeGrid::with_count(Instant start, Instant stop, std::size_t count, TimeScale scale) {
-  if (count == 0) throw InputError("the count of rows is 0; at least 1");
+  if (count == 0 || count > most_rows) {
+    throw InputError(fmt::format("the count of rows is {}; it is at least 1 and at most {}", count, most_rows));
+  }
   TimeGrid grid(scale, start);
   grid.count_ = count;
   if (count == 1) return grid;
@@ -112,8 +114,9 @@ TimeGrid TimeGrid::of_list(std::span<const Instant> instants, TimeScale scale) {
   TimeGrid grid(scale, instants.front());
   grid.count_ = instants.size();
   grid.list_.reserve(instants.size());
+  ScaleClock clock(scale);
   for (const Instant& instant : instants) {
-    grid.list_.push_back(since_j2000(instant, scale) - grid.reference_since_j2000_);
+    grid.list_.push_back(clock.since_j2000(instant) - grid.reference_since_j2000_);
     if (grid.list_.size() > 1) {
       const Seconds ahead = grid.list_.back() - grid.list_[grid.list_.size() - 2];
       if (!(ahead.high > 0.0)) {

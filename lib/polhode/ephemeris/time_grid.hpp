@@ -30,12 +30,14 @@ struct TimeResolution {
 /// that begins the scale's day of the first row. In UTC these are elapsed SI seconds: leap seconds count, as in FITS.
 class TimeGrid {
  public:
+  static constexpr std::size_t most_rows = 1'000'000'000'000'000;  ///< their numbers are exact as doubles
+
   /// start, start + step, … as far as stop, which is included where it is hit within a millionth of the step, or in
   /// another time scale: the swing of TDB about TT (4 ms at most, and a hundredth of the step) keeps no row away.
-  /// Throws InputError unless step > 0 and start <= stop.
+  /// Throws InputError unless step > 0 and start <= stop, and for more than most_rows.
   static TimeGrid with_step(Instant start, Instant stop, Seconds step, TimeScale scale);
 
-  /// `count` >= 1 times, equally spaced from start to a later stop, both included; one is start alone.
+  /// 1 <= `count` <= most_rows times, equally spaced from start to a later stop, both included; one is start alone.
   static TimeGrid with_count(Instant start, Instant stop, std::size_t count, TimeScale scale);
 
   /// The given instants, strictly increasing. Throws InputError if not, or if there are none.

@@ -9,6 +9,7 @@
 #include "polhode/read/date_column.hpp"
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
+#include "polhode/time/clock.hpp"
 
 namespace polhode {
 namespace {
@@ -70,6 +71,7 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
   std::string_view header_scale;
   std::optional<DateColumn> column;
   bool is_first = true;
+  ScaleClock tdb(TimeScale::tdb);
   text = without_mark(text);
   for (std::size_t line = 1; !text.empty(); ++line) {
     const std::string_view whole = take_line(text);
@@ -85,7 +87,9 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
       }
       if (is_first) column = DateColumn::of(content, header_scale);
       if (!column) {
-        instants.push_back(parse_date_with_scale(content, missing).instant);
+        const DateAndScale date = split_scale(content, missing);
+        const bool in_tdb = date.scale == tdb.scale();
+        instants.push_back(in_tdb ? tdb.parse_date(date.text) : parse_date(date.text, date.scale));
       } else if (!is_first) {
         instants.push_back(column->date(content));
       }

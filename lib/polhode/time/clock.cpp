@@ -44,6 +44,18 @@ Seconds ScaleClock::since_j2000(Instant instant) {
   return tt + Seconds{tdb_minus_tt_s(tt.high), 0.0};
 }
 
+Instant ScaleClock::instant_from_j2000(Seconds since) {
+  if (scale_ != TimeScale::tdb) return polhode::instant_from_j2000(since, scale_);
+  // Two steps, as there.
+  const double first_tt_s = since.high - tdb_minus_tt_s(since.high);
+  return Instant::from_tt_j2000(since - Seconds{tdb_minus_tt_s(first_tt_s), 0.0});
+}
+
+Instant ScaleClock::parse_date(std::string_view text) {
+  if (scale_ != TimeScale::tdb) return polhode::parse_date(text, scale_);
+  return instant_from_j2000(detail::parse_uniform(text, scale_));
+}
+
 std::string ScaleClock::format_date(Instant instant, int decimals) {
   if (scale_ != TimeScale::tdb) return polhode::format_date(instant, scale_, decimals);
   return detail::format_uniform(since_j2000(instant), decimals);
