@@ -66,7 +66,7 @@ SPAN = ("--stop", "+1 d", "--count", "3")
         (("-o", "a.csv", *SPAN, "--attitude-type", "QUATERNION"), "--attitude-type is for CCSDS messages"),
         (("-o", "a.ecsv", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for CCSDS messages"),
         (("-o", "a.aem", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for Euler angles"),
-        (("-o", "a.aem", *SPAN, "--momentum"), "--momentum is for FITS, CSV and ECSV"),
+        (("-o", "a.aem", *SPAN, "--momentum"), "--momentum is for FITS, CSV, ECSV and JSON lines"),
         (("-o", "a.fits", *SPAN, "--full"), "--full means something for scenes only"),
     ],
 )

@@ -54,10 +54,11 @@ def test_a_fault_in_a_list_of_times_names_its_line(tmp_path):
     assert not (tmp_path / "out.fits").exists()
 
 
-@pytest.mark.parametrize("out", ["none/out.fits", "folder.csv", "device.fits"])
+@pytest.mark.parametrize("out", ["none/out.fits", "folder.csv", "device.fits", "device.csv"])
 def test_what_cannot_be_written_is_status_3(tmp_path, out):
     (tmp_path / "folder.csv").mkdir()
-    (tmp_path / "device.fits").symlink_to("/dev/null")
+    for ending in ("fits", "csv"):
+        (tmp_path / f"device.{ending}").symlink_to("/dev/full")
     result = run("propagate", TOUTATIS, "-o", out, *SPAN, check=False, cwd=tmp_path)
     assert result.returncode == 3
     assert "cannot write" in result.stderr

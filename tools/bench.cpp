@@ -20,6 +20,7 @@
 #include "polhode/motion/methods.hpp"
 #include "polhode/read/case_file.hpp"
 #include "subcommands.hpp"
+#include "whole_number.hpp"
 
 namespace polhode::tools {
 namespace {
@@ -151,7 +152,7 @@ void add_bench(CLI::App& app) {
   command->footer("Examples:\n  polhode bench data/truth/dev/sam-01.case 100000");
   command->add_option("--method", options->method, "Name from `polhode methods`, or auto")->capture_default_str();
   command->add_option("CASEFILE", options->case_file, "Body at t = 0; its times give the range")->required();
-  command->add_option("COUNT", options->count, "How many times")->required()->check(CLI::Range(1, 100'000'000));
+  add_whole_number(*command, "COUNT", options->count, 1, 100'000'000, "How many times")->required();
   command->callback([options] { bench(*options); });
 }
 

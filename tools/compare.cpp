@@ -9,7 +9,6 @@
 #include "polhode/base/error.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
-#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/text.hpp"
@@ -37,7 +36,7 @@ struct Object {
 void warn_of_two_objects(const Object& a, const Object& b) {
   if (a.name.empty() || b.name.empty() || upper_case(a.name) == upper_case(b.name)) return;
   if (!a.id.empty() && upper_case(a.id) == upper_case(b.id)) return;
-  fmt::print(stderr, "polhode: the attitudes are of two objects, by their names: {} and {}\n", a.name, b.name);
+  say(fmt::format("the attitudes are of two objects, by their names: {} and {}", a.name, b.name));
 }
 
 /// The free motion of a body file as attitude in ICRF.
@@ -52,8 +51,8 @@ std::function<Quaternion(Instant)> motion_of(const std::string& path, const Body
 }
 
 void run(const Options& options) {
-  const std::optional<AttitudeHistory> a = read_attitude_history(options.first);
-  const std::optional<AttitudeHistory> b = read_attitude_history(options.second);
+  const BodyAndHistory first = read_body_and_history(options.first), second = read_body_and_history(options.second);
+  const std::optional<AttitudeHistory>&a = first.history, &b = second.history;
   if (!a && !b)
     throw InputError("neither file is an attitude ephemeris; one must be, its times are those of the comparison");
   const AttitudeHistory& rows = a ? *a : *b;
@@ -64,7 +63,7 @@ void run(const Options& options) {
     d = compare(*a, *b);
   } else {
     const std::string& path = a ? options.second : options.first;
-    const Body body = read_body(path);
+    const Body& body = (a ? second : first).body;
     other = {body.name, body.id};
     d = compare(rows, motion_of(path, body));
   }
@@ -95,7 +94,7 @@ void run(const Options& options) {
   }
   for (const std::optional<AttitudeHistory>* history : {&a, &b}) {
     if (!*history) continue;
-    for (const std::string& warning : (*history)->warnings) fmt::print(stderr, "polhode: {}\n", warning);
+    for (const std::string& warning : (*history)->warnings) say(warning);
   }
   if (options.tolerance.empty()) return;
   const double tolerance_rad = parse_angle_rad(options.tolerance);

@@ -13,6 +13,7 @@
 #include "polhode/time/scale.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"
+#include "whole_number.hpp"
 
 namespace polhode::tools {
 namespace {
@@ -37,7 +38,7 @@ void filter_lines(const Convert& convert) {
 void add_convert_time(CLI::App& app) {
   struct Options {
     std::string from, to;
-    int decimals = 9;
+    std::size_t decimals = 9;
     bool as_mjd = false;
   };
   const auto options = std::make_shared<Options>();
@@ -48,7 +49,7 @@ void add_convert_time(CLI::App& app) {
       "  polhode convert-time --from UTC --to TDB --mjd < dates.txt");
   command->add_option("--from", options->from, "scale of dates that name none: TT, TAI, UTC, TDB, GPS, ET");
   command->add_option("--to", options->to, "scale to write")->required();
-  command->add_option("--decimals", options->decimals, "of the second, 0 to 15")->capture_default_str();
+  add_whole_number(*command, "--decimals", options->decimals, 0, 15, "of the second, 0 to 15")->default_str("9");
   command->add_flag("--mjd", options->as_mjd, "write the whole day of the MJD and the fraction of that day");
   add_leap_seconds(*command);
   command->callback([options] {
@@ -59,7 +60,7 @@ void add_convert_time(CLI::App& app) {
     filter_lines([&](const std::string& line) {
       const auto [instant, written_in] = date_or_now(line, from);
       if (written_in == TimeScale::utc || to == TimeScale::utc) doubts.look_at(instant);
-      if (!options->as_mjd) return format_date(instant, to, options->decimals);
+      if (!options->as_mjd) return format_date(instant, to, static_cast<int>(options->decimals));
       const ModifiedJulianDate date = modified_julian_date(instant, to);
       return fmt::format("{:.0f} {:.17g}", date.day, date.fraction);
     });
@@ -92,7 +93,7 @@ void add_convert_frame(CLI::App& app) {
     const EarthOrientation& earth = options->earth;
     const bool earth_given = earth.ut1_minus_utc_s != 0.0 || earth.pole_x_arcsec != 0.0 || earth.pole_y_arcsec != 0.0;
     if ((from == Frame::itrf) != (to == Frame::itrf) && !earth_given) {
-      fmt::print(stderr, "polhode: note: UT1 - UTC and polar motion are taken as zero: ITRF is good to 15 arcsec\n");
+      say("note: UT1 - UTC and polar motion are taken as zero: ITRF is good to 15 arcsec");
     }
     UtcDoubts doubts;
     filter_lines([&](const std::string& line) {

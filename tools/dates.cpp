@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <ctime>
 
+#include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/time_list.hpp"
@@ -53,13 +54,12 @@ std::vector<Instant> wanted_dates(const std::string& list, const DateRule& rule,
       list == "now" ? std::vector{date_or_now(list, {}).instant} : read_time_list(list, rule.unsaid);
   if (!std::is_sorted(dates.begin(), dates.end())) {
     std::stable_sort(dates.begin(), dates.end());
-    fmt::print(stderr, "polhode: the times of {} are not in order; the rows are\n", list);
+    say(fmt::format("the times of {} are not in order; the rows are", list));
   }
   const std::size_t all = dates.size();
   dates.erase(std::unique(dates.begin(), dates.end()), dates.end());
   if (dates.size() != all) {
-    fmt::print(stderr, "polhode: {} times of {} are there more than once; each has one row\n", all - dates.size(),
-               list);
+    say(fmt::format("{} times of {} are there more than once; each has one row", all - dates.size(), list));
   }
   if (rule.rows == TimeScale::utc) {
     for (const Instant date : dates) doubts.look_at(date);

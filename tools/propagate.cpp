@@ -10,10 +10,12 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "dates.hpp"
 #include "in_file.hpp"
+#include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/body/phase.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
@@ -28,6 +30,7 @@
 #include "polhode/read/scene_file.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"
+#include "whole_number.hpp"
 #include "write_ephemeris.hpp"
 
 namespace polhode::tools {
@@ -160,12 +163,12 @@ bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& fi
   if (file.is_table) return true;
   const std::vector<std::string>& missing = file.body.missing;
   if (missing.empty() && !options.history) {
-    fmt::print(stderr, "polhode: the motion of the body is computed; --history writes the attitudes of the message\n");
+    say("the motion of the body is computed; --history writes the attitudes of the message");
     return false;
   }
   if (!missing.empty()) {
-    fmt::print(stderr, "polhode: no motion can be computed, it would need {}; the attitude history is taken\n",
-               fmt::join(missing, ", "));
+    say(fmt::format("no motion can be computed, it would need {}; the attitude history is taken",
+                    fmt::join(missing, ", ")));
   }
   return true;
 }
@@ -201,18 +204,19 @@ void print_account(const EphemerisDescription& rows) {
 }
 
 void propagate(PropagateOptions options) {
-  const EphemerisFormat& format = format_of(options.output.path);
+  const EphemerisFormat& format = format_of(options.output);
   refuse_meaningless(options.output, format);
-  std::optional<Scene> scene;
-  if (is_scene_file(options.body_file)) {
-    scene = read_scene(options.body_file);
+  std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file);
+  const auto* const scene = std::get_if<Scene>(&input);
+  if (scene != nullptr) {
     complete(options, *scene);
   } else if (options.full) {
     throw InputError({options.body_file, 0}, "is no scene: --full means something for scenes only");
   }
-  BodyAndHistory file = scene ? BodyAndHistory{scene->body, std::nullopt} : read_body_and_history(options.body_file);
+  BodyAndHistory file =
+      scene != nullptr ? BodyAndHistory{scene->body, std::nullopt} : std::get<BodyAndHistory>(std::move(input));
   const Body& body = file.body;
-  for (const std::string& warning : body.warnings) fmt::print(stderr, "polhode: {}\n", warning);
+  for (const std::string& warning : body.warnings) say(warning);
   if (is_history_wanted(options, file)) {
     export_history(options, format, *std::move(file.history));
     return;
@@ -290,8 +294,11 @@ void add_propagate(CLI::App& app) {
   command
       ->add_option("FILE", options->body_file, "Body file, scene file, or attitude history (AEM, ACM, FITS, CSV, ECSV)")
       ->required();
-  command->add_option("-o,--output", options->output.path, "Output; its ending says the format: " + all_endings())
+  command
+      ->add_option("-o,--output", options->output.path,
+                   "Output, - for standard output; its ending says the format: " + all_endings())
       ->required();
+  command->add_option("--format", options->output.format, "One of these endings, without its dot, for another name");
   command
       ->add_option(
           "--start", options->starts,
@@ -305,7 +312,7 @@ void add_propagate(CLI::App& app) {
           "of an AEM")
       ->allow_extra_args(false);
   command->add_option("--step", options->step, "Distance of rows, in s, or with unit s, min, h, d");
-  command->add_option("--count", options->count, "Number of rows, both ends included")->check(CLI::PositiveNumber);
+  add_whole_number(*command, "--count", options->count, 1, TimeGrid::most_rows, "Number of rows, both ends included");
   command->add_option("--tolerance", options->tolerance,
                       "As few rows as keep what readers interpolate within this angle, in rad, or with unit deg, "
                       "arcmin, arcsec, mas, uas");

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "in_file.hpp"
+#include "output.hpp"
 #include "polhode/read/leap_seconds_file.hpp"
 #include "polhode/time/scale.hpp"
 
@@ -25,7 +26,7 @@ void add_leap_seconds(CLI::App& command) {
 void UtcDoubts::look_at(Instant instant) {
   if (said_) return;
   if (const auto doubt = utc_doubt(instant)) {
-    fmt::print(stderr, "polhode: note: {}: {}\n", format_date(instant, TimeScale::utc, 0), *doubt);
+    say(fmt::format("note: {}: {}", format_date(instant, TimeScale::utc, 0), *doubt));
     said_ = true;
   }
 }

@@ -5,26 +5,32 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <utility>
 
+#include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/write/aem.hpp"
 #include "polhode/write/fits.hpp"
 #include "polhode/write/text_table.hpp"
+#include "signals.hpp"
 
 namespace polhode::tools {
 namespace {
 
-void write_one_fits(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
-  write_fits(options.path, segments.front(), {options.momentum, false}, progress);
+/// What the library calls the output.
+std::string path_of(const OutputOptions& options) { return options.path == "-" ? "/dev/stdout" : options.path; }
+
+template <bool packed>
+void write_binary_table(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
+  write_fits(path_of(options), segments.front(), {options.momentum, false, packed}, progress);
 }
 
-template <bool ecsv>
-void write_table(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
-  write_text_table(options.path, segments.front(), {ecsv, options.momentum}, progress);
+template <TextTableKind kind>
+void write_text(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
+  write_text_table(path_of(options), segments.front(), {kind, options.momentum}, progress);
 }
 
 template <bool xml>
@@ -43,69 +49,33 @@ void write_message(const OutputOptions& options, std::span<const Ephemeris> segm
   if (options.promises_interpolation && has_angles) {
     throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
   }
-  write_aem(options.path, segments, aem, progress);
+  write_aem(path_of(options), segments, aem, progress);
 }
 
 constexpr std::string_view great_circle = "great circle from row to row";
 constexpr std::string_view lagrange = "LAGRANGE of degree 7 of the quaternion, made unit";
 
 const std::vector<EphemerisFormat>& formats() {
+  constexpr RowInterpolation circle = RowInterpolation::great_circle, degree_7 = RowInterpolation::lagrange_degree_7;
+  using Kind = TextTableKind;
   static const std::vector<EphemerisFormat> all{
-      {"FITS",
-       {".fits", ".fits.gz", ".fit", ".fit.gz"},
-       RowInterpolation::great_circle,
+      {"FITS", {".fits", ".fit"}, circle, great_circle, false, true, false, write_binary_table<false>},
+      {"FITS packed by gzip",
+       {".fits.gz", ".fit.gz"},
+       circle,
        great_circle,
        false,
        true,
        false,
-       write_one_fits},
-      {"CCSDS AEM",
-       {".aem", ".txt"},
-       RowInterpolation::lagrange_degree_7,
-       lagrange,
-       true,
-       false,
-       true,
-       write_message<false>},
-      {"CCSDS AEM in XML",
-       {".xml"},
-       RowInterpolation::lagrange_degree_7,
-       lagrange,
-       true,
-       false,
-       true,
-       write_message<true>},
-      {"CSV", {".csv"}, RowInterpolation::great_circle, great_circle, false, true, false, write_table<false>},
-      {"ECSV", {".ecsv"}, RowInterpolation::great_circle, great_circle, false, true, false, write_table<true>},
+       write_binary_table<true>},
+      {"CCSDS AEM", {".aem", ".txt"}, degree_7, lagrange, true, false, true, write_message<false>},
+      {"CCSDS AEM in XML", {".xml"}, degree_7, lagrange, true, false, true, write_message<true>},
+      {"CSV", {".csv"}, circle, great_circle, false, true, false, write_text<Kind::csv>},
+      {"ECSV", {".ecsv"}, circle, great_circle, false, true, false, write_text<Kind::ecsv>},
+      {"JSON lines", {".jsonl"}, circle, great_circle, false, true, false, write_text<Kind::json_lines>},
   };
   return all;
 }
-
-// What Ctrl-C and a kill leave behind for the next look: the writers then remove what they have begun.
-volatile std::sig_atomic_t caught_signal = 0;
-
-struct Stopped {};
-
-/// Until it goes: SIGINT, SIGTERM and SIGHUP are noted instead of obeyed, once; a file beyond the size limit is an
-/// error like any other.
-class SignalWatch {
- public:
-  SignalWatch() {
-    struct sigaction note {};
-    note.sa_handler = [](int signal) { caught_signal = signal; };
-    note.sa_flags = static_cast<int>(SA_RESETHAND);  // a second one ends the program at once
-    for (const int signal : signals_) sigaction(signal, &note, nullptr);
-    std::signal(SIGXFSZ, SIG_IGN);
-  }
-  SignalWatch(const SignalWatch&) = delete;
-  SignalWatch& operator=(const SignalWatch&) = delete;
-  ~SignalWatch() {
-    for (const int signal : signals_) std::signal(signal, SIG_DFL);
-  }
-
- private:
-  static constexpr int signals_[] = {SIGINT, SIGTERM, SIGHUP};
-};
 
 /// Rate and time left, on a terminal, from one second on.
 class ProgressLine {
@@ -118,8 +88,7 @@ class ProgressLine {
   }
 
   void operator()(std::size_t done) {
-    if (caught_signal != 0) throw Stopped{};
-    if (!shown_) return;
+    if (!shown_ || done == 0) return;
     using namespace std::chrono;
     const auto now = steady_clock::now();
     constexpr auto first_after = seconds(1);
@@ -130,9 +99,9 @@ class ProgressLine {
     const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - begin_).count();
     const auto left = static_cast<long long>(static_cast<double>(rows_ - done) / rate);
     const double part = 100.0 * static_cast<double>(done) / static_cast<double>(rows_);
-    fmt::print(stderr, "\r\033[Kpolhode: {:5.1f} %, {:.3g} rows/s, {}:{:02}:{:02} left", part, rate, left / 3600,
-               left / 60 % 60, left % 60);
-    std::fflush(stderr);
+    const std::string text = fmt::format("\r\033[Kpolhode: {:5.1f} %, {:.3g} rows/s, {}:{:02}:{:02} left", part, rate,
+                                         left / 3600, left / 60 % 60, left % 60);
+    std::fputs(text.c_str(), stderr);
   }
 
  private:
@@ -145,18 +114,26 @@ class ProgressLine {
 
 }  // namespace
 
-const EphemerisFormat& format_of(const std::string& path) {
+const EphemerisFormat& format_of(const OutputOptions& options) {
+  std::string name = options.format.empty() ? options.path : "." + options.format;
+  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
   for (const EphemerisFormat& format : formats()) {
     for (const std::string_view ending : format.endings) {
-      if (path.ends_with(ending)) return format;
+      if (options.format.empty() ? name.ends_with(ending) : name == ending) return format;
     }
   }
-  throw InputError(fmt::format("the ending of '{}' names no format; allowed are {}", path, all_endings()));
+  if (!options.format.empty()) {
+    throw InputError(
+        fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format, all_endings()));
+  }
+  throw InputError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
+                               options.path, all_endings()));
 }
 
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format) {
   if (options.momentum && !format.has_momentum) {
-    throw InputError(fmt::format("--momentum is for FITS, CSV and ECSV: a {} holds no angular momentum", format.name));
+    throw InputError(
+        fmt::format("--momentum is for FITS, CSV, ECSV and JSON lines: a {} holds no angular momentum", format.name));
   }
   if (format.is_message) return;
   for (const auto& [option, value] :
@@ -187,18 +164,13 @@ void write_watched(const OutputOptions& options, const EphemerisFormat& format, 
   std::size_t rows = 0;
   for (const Ephemeris& segment : segments) rows += segment.times().size();
   {
-    const SignalWatch watch;
-    try {
-      ProgressLine line(rows);
-      format.write(options, segments, [&line](std::size_t done) { line(done); });
-    } catch (const Stopped&) {
-      fmt::print(stderr, "polhode: stopped; {} is not written\n", options.path);
-    }
+    const bool terminal = ::isatty(STDERR_FILENO) != 0;
+    const StoppedNote note(
+        fmt::format("{}polhode: stopped; {} is not written\n", terminal ? "\r\033[K" : "", options.path));
+    ProgressLine line(rows);
+    format.write(options, segments, [&line](std::size_t done) { line(done); });
   }
-  if (caught_signal != 0) {
-    std::raise(caught_signal);  // ends the program as whoever sent it expects
-  }
-  fmt::print(stderr, "polhode: {}: {} rows\n", options.path, rows);
+  say(fmt::format("{}: {} rows", options.path == "-" ? "standard output" : options.path, rows));
 }
 
 }  // namespace polhode::tools

@@ -13,7 +13,8 @@ namespace polhode::tools {
 
 /// What `propagate` was told about its output, for every format.
 struct OutputOptions {
-  std::string path;
+  std::string path;    // "-" is standard output
+  std::string format;  // an ending without its dot; empty: the path's
   bool momentum = false;
   std::string adm;                      // empty: 2.0
   std::string attitude_type;            // empty: QUATERNION/ANGVEL, in ADM 1.0 QUATERNION
@@ -33,8 +34,8 @@ struct EphemerisFormat {
   void (*write)(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress);
 };
 
-/// The format that a path's ending names. Throws InputError if it names none.
-const EphemerisFormat& format_of(const std::string& path);
+/// The format that is asked for, or that the path's ending names, in any case. Throws InputError if there is none.
+const EphemerisFormat& format_of(const OutputOptions& options);
 
 /// Throws InputError for an option that means nothing in the format.
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format);

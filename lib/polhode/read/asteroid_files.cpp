@@ -48,9 +48,10 @@ struct Line {
 
 /// The lines that are not blank.
 std::vector<Line> lines_of(std::string_view text, std::size_t most) {
+  constexpr std::size_t longest = 4096;  // nothing that is wanted stands beyond
   std::vector<Line> lines;
   for (std::size_t number = 1; !text.empty() && lines.size() < most; ++number) {
-    std::vector<std::string_view> words = split_words(take_line(text));
+    std::vector<std::string_view> words = split_words(take_line(text).substr(0, longest));
     if (!words.empty()) lines.push_back({std::move(words), number});
   }
   return lines;
@@ -77,8 +78,9 @@ std::vector<std::string> csv_cells(std::string_view line) {
 }
 
 std::vector<std::string> csv_header(std::string_view text) {
+  constexpr std::size_t longest = 1U << 16U;
   std::string_view rest = without_mark(text);
-  std::vector<std::string> names = csv_cells(take_line(rest));
+  std::vector<std::string> names = csv_cells(take_line(rest).substr(0, longest));
   for (std::string& name : names) {
     name = upper_case(trimmed(name));
     std::transform(name.begin(), name.end(), name.begin(),

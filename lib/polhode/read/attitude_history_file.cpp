@@ -13,6 +13,7 @@
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
+#include "polhode/time/clock.hpp"
 
 namespace polhode {
 namespace {
@@ -135,6 +136,7 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   }
   const Instant zero =
       Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
+  ScaleClock clock(history.scale);
   AttitudeSegment segment;
   segment.body = table.text("REFFRAMB").value_or("BODY");
   for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -143,9 +145,8 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
     const Instant elapsed = zero + Seconds{seconds, low ? low->values[row] : 0.0};
     const double* v = q->values.data() + 4 * row;
     const Quaternion given = order == "XYZS" ? Quaternion(v[3], v[0], v[1], v[2]) : Quaternion(v[0], v[1], v[2], v[3]);
-    AttitudeSample sample{instant_from_j2000(elapsed.tt_since_j2000(), history.scale),
-                          direction == "A2B" ? given : given.conjugate(),
-                          {}};
+    AttitudeSample sample{
+        clock.instant_from_j2000(elapsed.tt_since_j2000()), direction == "A2B" ? given : given.conjugate(), {}};
     if (omega) sample.omega_body_rad_s = rate_factor * Eigen::Map<const Vector3>(omega->values.data() + 3 * row);
     add_row(segment, sample, {path, 0});
   }
@@ -173,6 +174,17 @@ bool is_text_table(std::string_view text) {
          column_line(text, line).starts_with(date_column);
 }
 
+/// What stands before the closing quote of a YAML scalar in double quotes; a backslash takes the next character as it
+/// is.
+std::string yaml_quoted_value(std::string_view text) {
+  std::string value;
+  for (std::size_t i = 0; i < text.size() && text[i] != '"' && text[i] != '\n'; ++i) {
+    if (text[i] == '\\' && i + 1 < text.size()) ++i;
+    value += text[i];
+  }
+  return value;
+}
+
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; at <= line.size();) {
@@ -191,8 +203,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     const std::string begin = fmt::format("# - {{{}: \"", key);
     const std::size_t at = text.find(begin);
     if (at == std::string_view::npos) return std::string();
-    const std::string_view value = text.substr(at + begin.size(), 64);
-    return std::string(value.substr(0, value.find('"')));
+    return yaml_quoted_value(text.substr(at + begin.size()));
   };
   history.object = meta("object");
   std::string frame_name = meta("frame_a");
@@ -221,6 +232,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     if (at[k] == names.size()) throw InputError({path, line}, "the columns q_x, q_y, q_z, q_scalar are wanted");
   }
   const bool rates = std::all_of(at.begin() + 4, at.end(), [&](std::size_t i) { return i < names.size(); });
+  ScaleClock clock(history.scale);
   AttitudeSegment segment;
   segment.body = "BODY";
   while (!text.empty()) {
@@ -238,7 +250,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     }
     AttitudeSample sample;
     try {
-      sample.time = parse_date(cells[0], history.scale);
+      sample.time = clock.parse_date(cells[0]);
     } catch (const InputError& error) {
       throw InputError(here, error.what());
     }

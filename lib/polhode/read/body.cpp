@@ -79,14 +79,21 @@ Body read_body(const std::string& path, const ContentOf& content_of) {
 }
 
 BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& content_of) {
-  // FILE#ID names a row of a table.
+  const RowOfFile place(path);
+  return parse_body_and_history(content_of(place.file), place, content_of);
+}
+
+RowOfFile::RowOfFile(const std::string& path) {
   const std::size_t mark = std::filesystem::exists(path) ? std::string::npos : path.rfind('#');
-  const std::string file = path.substr(0, mark);
-  const std::string text = content_of(file);
+  file = path.substr(0, mark);
+  if (mark != std::string::npos) row = path.substr(mark + 1);
+}
+
+BodyAndHistory parse_body_and_history(const std::string& text, const RowOfFile& place, const ContentOf& content_of) {
+  const std::string& file = place.file;
   if (is_ccsds(text)) return of_messages(text, file);
   if (is_attitude_table(text)) return of_table(text, file);
-  if (is_damit_table(text))
-    return {parse_damit_table(text, file, mark == std::string::npos ? "" : path.substr(mark + 1)), {}};
+  if (is_damit_table(text)) return {parse_damit_table(text, file, place.row), {}};
   if (is_damit_spin(text)) return {parse_damit_spin(text, file), {}};
   if (is_shape_model(text)) return {parse_shape_model(text, file), {}};
   if (is_mesh(text)) return {body_of_mesh(text, file), {}};

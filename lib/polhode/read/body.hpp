@@ -21,4 +21,14 @@ struct BodyAndHistory {
 };
 BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& content_of = read_text_file);
 
+/// FILE#ROW names a row of a table, where there is no file that is called so.
+struct RowOfFile {
+  explicit RowOfFile(const std::string& path);
+  std::string file;
+  std::string row;
+};
+
+/// As read_body_and_history, from memory; `content_of` opens the files that this one names.
+BodyAndHistory parse_body_and_history(const std::string& text, const RowOfFile& place, const ContentOf& content_of);
+
 }  // namespace polhode

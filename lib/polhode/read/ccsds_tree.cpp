@@ -56,9 +56,9 @@ struct KvnLine {
   CcsdsRow row;
 };
 
-/// "123.4 [deg]" into value and unit.
+/// "123.4 [deg]" into value and unit; a name may end in brackets of its own.
 void take_unit(CcsdsEntry& entry) {
-  if (!entry.value.ends_with(']')) return;
+  if (!entry.value.ends_with(']') || entry.keyword == "OBJECT_NAME" || entry.keyword == "OBJECT_ID") return;
   const std::size_t open = entry.value.rfind('[');
   if (open == std::string::npos) return;
   entry.unit = trimmed(std::string_view(entry.value).substr(open + 1, entry.value.size() - open - 2));

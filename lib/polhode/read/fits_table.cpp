@@ -60,7 +60,13 @@ double big_endian(std::string_view bytes) {
 std::optional<std::string> FitsTable::text(const Header& header, std::string_view keyword) {
   const auto found = header.find(keyword);
   if (found == header.end()) return std::nullopt;
-  std::string_view value = trimmed(found->second);
+  const std::optional<std::string> out = text_of(found->second);
+  return out ? std::optional(std::string(trimmed(*out))) : std::nullopt;
+}
+
+/// 'The text' that begins a card's value, as it is.
+std::optional<std::string> FitsTable::text_of(std::string_view value) {
+  value = trimmed(value);
   if (!value.starts_with('\'')) return std::nullopt;
   value.remove_prefix(1);
   std::string out;
@@ -71,7 +77,7 @@ std::optional<std::string> FitsTable::text(const Header& header, std::string_vie
     }
     out += value[i];
   }
-  return std::string(trimmed(out));
+  return out;
 }
 
 std::optional<double> FitsTable::number(const Header& header, std::string_view keyword) {
@@ -96,6 +102,7 @@ std::size_t FitsTable::count(const Header& header, std::string_view keyword) con
 /// Takes the cards as far as END, and the rest of their last block.
 FitsTable::Header FitsTable::take_header(std::string_view& rest) const {
   Header header;
+  std::string last;  // keyword whose text may go on: FITS 4.0, 4.2.1.2
   for (std::size_t at = 0; at + card <= rest.size(); at += card) {
     const std::string_view line = rest.substr(at, card);
     const std::string_view keyword = trimmed(line.substr(0, 8));
@@ -103,7 +110,18 @@ FitsTable::Header FitsTable::take_header(std::string_view& rest) const {
       rest.remove_prefix(std::min(rest.size(), (at / block + 1) * block));
       return header;
     }
-    if (line.substr(8, 2) == "= ") header.try_emplace(keyword, line.substr(10));
+    if (line.substr(8, 2) == "= ") {
+      last = header.try_emplace(std::string(keyword), line.substr(10)).second ? keyword : "";
+    } else if (keyword == "CONTINUE" && !last.empty()) {
+      const std::optional<std::string> begin = text_of(header[last]), rest_of_it = text_of(line.substr(10));
+      constexpr std::size_t longest = 1U << 16U;
+      if (!begin || !begin->ends_with('&') || begin->size() > longest || !rest_of_it) continue;
+      std::string whole = "'";
+      for (const char c : begin->substr(0, begin->size() - 1) + *rest_of_it) whole.append(c == '\'' ? 2 : 1, c);
+      header[last] = whole + "'";
+    } else {
+      last.clear();
+    }
   }
   throw InputError({file_, 0}, "broken FITS: a header without END");
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
@@ -36,11 +37,13 @@ class FitsTable {
   std::optional<Column> column(std::string_view name, std::size_t width) const;
 
  private:
-  using Header = std::map<std::string_view, std::string_view>;  // keyword and what follows "= "
+  // Keyword and what follows "= "; of a long text that goes on in CONTINUE cards its parts, joined.
+  using Header = std::map<std::string, std::string, std::less<>>;
 
   Header take_header(std::string_view& rest) const;
   std::size_t data_size(const Header& header) const;
   static std::optional<std::string> text(const Header& header, std::string_view keyword);
+  static std::optional<std::string> text_of(std::string_view value);
   static std::optional<double> number(const Header& header, std::string_view keyword);
   std::size_t count(const Header& header, std::string_view keyword) const;
 

@@ -366,7 +366,7 @@ TriangleMesh read_ply(std::string_view content, const std::string& name) {
 /// Whether the first line that says something is two integers, as in shape.txt.
 bool is_shape_txt(std::string_view content) {
   while (!content.empty()) {
-    const std::vector<std::string_view> words = split_words(take_line(content));
+    const std::vector<std::string_view> words = split_words(take_line(content).substr(0, 4096));
     if (words.empty()) continue;
     return words.size() == 2 && parse_integer(words[0]).value_or(0) > 0 && parse_integer(words[1]).value_or(0) > 0;
   }
@@ -379,8 +379,9 @@ bool is_mesh(std::string_view content) {
   if (is_binary_stl(content) || content.starts_with("ply\n") || content.starts_with("ply\r") || is_shape_txt(content))
     return true;
   // STL: the first word; OBJ: a vertex before anything that its lines cannot start with.
+  constexpr std::size_t enough = 4096;  // of a line
   for (bool first = true; !content.empty();) {
-    const std::vector<std::string_view> words = split_words(take_line(content));
+    const std::vector<std::string_view> words = split_words(take_line(content).substr(0, enough));
     if (words.empty() || words[0].starts_with('#')) continue;
     if (first && upper_case(words[0]) == "SOLID") return true;
     first = false;

@@ -165,8 +165,6 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
 
 }  // namespace
 
-bool is_scene_file(const std::string& path) { return is_scene(read_text_file(path)); }
-
 bool is_scene(std::string_view text) {
   while (!text.empty()) {
     const std::string_view line = trimmed(take_line(text));
@@ -177,6 +175,13 @@ bool is_scene(std::string_view text) {
 }
 
 Scene read_scene(const std::string& path) { return parse_scene(read_text_file(path), path, read_text_file); }
+
+std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path) {
+  const RowOfFile place(path);
+  const std::string text = read_text_file(place.file);
+  if (is_scene(text)) return parse_scene(text, place.file, read_text_file);
+  return parse_body_and_history(text, place, read_text_file);
+}
 
 Scene parse_scene(std::string_view content, const std::string& path, const ContentOf& content_of) {
   const std::string whole(content);

@@ -3,9 +3,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "polhode/body/body.hpp"
+#include "polhode/read/body.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/torque/torques.hpp"
 
@@ -24,11 +26,13 @@ struct Scene {
 };
 
 /// Whether the content, TOML with a line `accuracy = …` before its first table, is a scene and not a body.
-bool is_scene_file(const std::string& path);
 bool is_scene(std::string_view text);
 
 /// Throws InputError with file and line, FileError if the file or one that it names cannot be read.
 Scene read_scene(const std::string& path);
+
+/// The scene that a file holds, or else its body; the file is read once, it may be a pipe.
+std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path);
 
 /// The same from memory. `path` is for messages, and where the files that it names are looked for; `content_of` opens
 /// these.

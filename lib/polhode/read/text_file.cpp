@@ -1,34 +1,77 @@
 #include "polhode/read/text_file.hpp"
 
 #define ZLIB_CONST  // zlib then takes input that is constant
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <limits>
-#include <sstream>
 
 #include "polhode/base/error.hpp"
 
 namespace polhode {
+namespace {
+
+/// An open file.
+class Descriptor {
+ public:
+  explicit Descriptor(const std::string& path) : number_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (number_ < 0) throw FileError("cannot open " + path + ": " + std::strerror(errno));
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  ~Descriptor() { ::close(number_); }
+  int operator()() const { return number_; }
+
+ private:
+  int number_;
+};
+
+/// Whether there are more bytes than are read of this content, of which at least the begin is known.
+bool is_too_large(std::size_t bytes, std::string_view content) {
+  return bytes > (content.starts_with("SIMPLE  =") ? most_fits_bytes : most_text_bytes);
+}
+
+InputError too_large(const std::string& path) {
+  return {{path, 0},
+          fmt::format("is too large: at most {} MiB are read, of FITS {} MiB (unpacked)", most_text_bytes >> 20U,
+                      most_fits_bytes >> 20U)};
+}
+
+}  // namespace
 
 std::string read_text_file(const std::string& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw InputError({path, 0}, "is a directory, a file is wanted");
-  if (std::filesystem::is_character_file(path, ignored) || std::filesystem::is_block_file(path, ignored)) {
+  const Descriptor file(path);
+  struct stat about {};
+  if (::fstat(file(), &about) != 0) throw FileError("cannot read " + path + ": " + std::strerror(errno));
+  if (S_ISDIR(about.st_mode)) throw InputError({path, 0}, "is a directory, a file is wanted");
+  if (S_ISCHR(about.st_mode) || S_ISBLK(about.st_mode)) {
     throw InputError({path, 0}, "is a device, a file is wanted");  // /dev/zero has no end
   }
-  errno = 0;
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) throw FileError("cannot open " + path + ": " + std::strerror(errno));
-  std::ostringstream text;
-  text << stream.rdbuf();
-  if (stream.bad()) throw FileError("cannot read " + path + ": " + std::strerror(errno));
-  if (text.str().empty()) throw InputError({path, 0}, "the file is empty");
-  std::string content = std::move(text).str();
+  constexpr std::size_t at_once = 1U << 18U;
+  const auto size = static_cast<std::size_t>(about.st_size);  // of pipes 0
+  std::string content;
+  for (std::size_t end = 0;;) {
+    content.resize(end + at_once);
+    const ssize_t count = ::read(file(), content.data() + end, at_once);
+    if (count < 0 && errno == EINTR) continue;
+    if (count < 0) throw FileError("cannot read " + path + ": " + std::strerror(errno));
+    if (end == 0) {
+      if (is_too_large(size, content)) throw too_large(path);
+      content.reserve(size + at_once);
+    }
+    end += static_cast<std::size_t>(count);
+    content.resize(end);
+    if (count == 0) break;
+    if (is_too_large(end, content)) throw too_large(path);
+  }
+  if (content.empty()) throw InputError({path, 0}, "the file is empty");
   if (content.starts_with("\x1f\x8b")) content = unpack_gzip(content, path);
   if (content.starts_with("\xEF\xBB\xBF")) content.erase(0, 3);
   return content;
@@ -57,6 +100,7 @@ std::string unpack_gzip(std::string_view packed, const std::string& name) {
     const int status = inflate(&stream, Z_NO_FLUSH);
     rest.remove_prefix(taken - stream.avail_in);
     out.append(buffer.data(), buffer.size() - stream.avail_out);
+    if (is_too_large(out.size(), out)) throw too_large(name);
     if (out.size() > always + ratio * packed.size()) {
       throw InputError({name, 0}, "unpacks to more than a hundred times its size");
     }

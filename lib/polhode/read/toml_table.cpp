@@ -75,16 +75,51 @@ bool is_never_expected(std::string_view text) {
   return character >= "\xEF\xAC\xA6" && character <= "\xEF\xBB\xBE";
 }
 
-/// Refuses those characters where toml++ would look for white space: outside strings and comments, and in strings after
-/// a backslash. Follows the strings of valid TOML; behind an error that toml++ will report, it may refuse more.
-void refuse_never_expected(std::string_view text, const std::string& path) {
+/// How deep tables and lists are nested: by brackets that are open, and by the parts of dotted keys.
+class Nesting {
+ public:
+  /// The next character outside strings and comments; the depth behind it.
+  std::size_t after(char c) {
+    if (c == '[' || c == '{') {
+      open_.push_back(around_);
+      around_ += dots_ + 1;
+      dots_ = 0;
+    } else if (c == ']' || c == '}') {
+      if (!open_.empty()) {
+        around_ = open_.back();
+        open_.pop_back();
+      }
+      dots_ = 0;
+    } else if (c == ',' || c == '\n') {
+      dots_ = 0;
+    } else if (c == '.') {
+      ++dots_;
+    }
+    return around_ + dots_;
+  }
+
+ private:
+  std::vector<std::size_t> open_;  // the depth around each open bracket
+  std::size_t around_ = 0;         // the last of them
+  std::size_t dots_ = 0;           // of the key, or number, that is being read
+};
+
+/// Refuses what toml++ does not survive: those characters where it would look for white space (outside strings and
+/// comments, and in strings after a backslash), and depths at which its functions, which call themselves once a level,
+/// overflow the stack. Follows the strings of valid TOML; behind an error that toml++ will report, it may refuse more.
+void refuse_what_breaks_the_parser(std::string_view text, const std::string& path) {
+  constexpr std::size_t most_levels = 100;
+  const auto place = [&](std::size_t i) {
+    const std::string_view before = text.substr(0, i);
+    return SourceLocation{path, 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'))};
+  };
   const auto check = [&](std::size_t i) {
     if (!is_never_expected(text.substr(i))) return;
-    const std::string_view before = text.substr(0, i);
-    throw InputError({path, 1 + static_cast<std::size_t>(std::count(before.begin(), before.end(), '\n'))},
+    throw InputError(place(i),
                      "not valid TOML: found a character from U+FB26 to U+FEFE, which are allowed in comments and in "
                      "quotes, but not after a backslash");
   };
+  Nesting nesting;
   std::string_view quotes;  // that began the string at i
   for (std::size_t i = 0; i < text.size();) {
     const std::string_view rest = text.substr(i);
@@ -93,6 +128,9 @@ void refuse_never_expected(std::string_view text, const std::string& path) {
       if (rest[0] == '#') {
         i = std::min(text.find('\n', i), text.size());
         continue;
+      }
+      if (nesting.after(rest[0]) > most_levels) {
+        throw InputError(place(i), fmt::format("tables or lists are nested more than {} levels deep", most_levels));
       }
       for (const std::string_view some : {"'", "\"", "'''", "\"\"\""}) {
         if (rest.starts_with(some)) quotes = some;
@@ -115,7 +153,11 @@ void refuse_never_expected(std::string_view text, const std::string& path) {
 }  // namespace
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
-  refuse_never_expected(text, path);
+  constexpr std::size_t most_bytes = 16U << 20U;
+  if (text.size() > most_bytes) {
+    throw InputError({path, 0}, fmt::format("is too large for TOML: at most {} MiB are read", most_bytes >> 20U));
+  }
+  refuse_what_breaks_the_parser(text, path);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, path));
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, ""}));

@@ -163,13 +163,6 @@ std::string xml_escaped(std::string_view text) {
   return out;
 }
 
-/// A header value stays on its line.
-std::string one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
-  return text;
-}
-
 /// Writes either notation.
 class Writer {
  public:
@@ -271,13 +264,14 @@ class Writer {
 
  private:
   void key(std::string_view name, std::string_view value) {
-    const std::string text = one_line(std::string(value));
+    const std::string plain = plain_text(value);
+    const std::string_view text = plain.empty() ? "unknown" : std::string_view(plain);  // a value may not be missing
     bytes_.write(options_.xml ? fmt::format("<{0}>{1}</{0}>\n", name, xml_escaped(text))
                               : fmt::format("{} = {}\n", name, text));
   }
 
   void comment(const std::string& text) {
-    const std::string line = one_line(text);
+    const std::string line = plain_text(text);
     bytes_.write(options_.xml ? fmt::format("<COMMENT>{}</COMMENT>\n", xml_escaped(line))
                               : fmt::format("COMMENT {}\n", line));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace polhode {
 
@@ -10,5 +11,12 @@ std::string creator();
 /// Now in UTC as "2000-01-01T12:00:00", or the instant of environment variable SOURCE_DATE_EPOCH (seconds since 1970),
 /// with which the same input gives the same bytes.
 std::string creation_date();
+
+/// Text as a value on a line of a file: UTF-8, without blanks at its ends. A control character, an end of a line of any
+/// kind, or what is no character, becomes a blank; bytes that are not UTF-8 become U+FFFD.
+std::string plain_text(std::string_view text);
+
+/// plain_text in ASCII, as FITS wants it: a question mark for each other character.
+std::string ascii_text(std::string_view text);
 
 }  // namespace polhode

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "polhode/write/document.hpp"
 #include "polhode/write/output_file.hpp"
 
 namespace polhode {
@@ -14,7 +15,7 @@ namespace {
 /// A double-quoted YAML scalar.
 std::string yaml(const std::string& text) {
   std::string out = "\"";
-  for (const char c : text) {
+  for (const char c : plain_text(text)) {
     if (c == '"' || c == '\\') out += '\\';
     out += c;
   }

@@ -2,14 +2,19 @@
 
 #include <fitsio.h>
 #include <fmt/format.h>
-#include <unistd.h>
+#include <sys/stat.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "polhode/base/error.hpp"
@@ -25,21 +30,17 @@ std::uint64_t fold(std::uint64_t sum) {
   return sum;
 }
 
-/// An open FITS file under a temporary name. Every call's status passes through check().
+/// A new FITS file, open. Every call's status passes through check().
 class Fits {
  public:
-  explicit Fits(const OutputFile& file) : path_(file.path()) {
-    const std::string& name = file.temporary_path();
+  /// `path` is for messages.
+  Fits(const std::string& file, std::string path) : path_(std::move(path)) {
+    if (file.size() >= FLEN_FILENAME) {
+      throw FileError(fmt::format("cannot write {}: cfitsio takes paths of less than {} bytes", path_, FLEN_FILENAME));
+    }
     errno = 0;
     int status = 0;
-    if (!name.ends_with(".gz")) {
-      fits_create_diskfile(&file_, name.c_str(), &status);
-    } else if (name.find_first_of("[](){}!@+") == std::string::npos) {
-      fits_create_file(&file_, name.c_str(), &status);
-    } else {
-      throw FileError(
-          fmt::format("cannot write {}: cfitsio compresses no file whose path has one of []()!@+{{}}", path_));
-    }
+    fits_create_diskfile(&file_, file.c_str(), &status);
     check(status);
   }
   Fits(const Fits&) = delete;
@@ -76,9 +77,26 @@ class Fits {
     check(status);
   }
 
-  void key(const char* name, std::string value, const char* comment) {
+  /// A text of any length, with CONTINUE cards where one is too short (FITS 4.0, 4.2.1.2). Not by
+  /// fits_write_key_longstr, which finds no end where there are many quotes.
+  void key(const char* name, const std::string& text, const char* comment) {
+    std::vector<std::string> parts(1);  // with quotes doubled, which stay together
+    constexpr std::size_t longest = 68;
+    const std::string value = ascii_text(text);
+    for (const char c : value) {
+      const std::string_view put = c == '\'' ? "''" : std::string_view(&c, 1);
+      if (parts.back().size() + put.size() >= longest) parts.emplace_back();  // leaves room for &
+      parts.back() += put;
+    }
     int status = 0;
-    fits_write_key_longstr(file_, name, value.data(), comment, &status);
+    if (parts.size() == 1) fits_write_key_str(file_, name, value.c_str(), comment, &status);
+    for (std::size_t i = 0; parts.size() > 1 && i < parts.size(); ++i) {
+      const bool last = i + 1 == parts.size();
+      std::string card = i == 0 ? fmt::format("{:<8}= ", name) : std::string("CONTINUE  ");
+      card += fmt::format("'{}{}'", parts[i], last ? "" : "&");
+      if (last) card += fmt::format(" / {}", comment);
+      fits_write_record(file_, card.substr(0, 80).c_str(), &status);
+    }
     check(status);
   }
   void key(const char* name, double value, const char* comment) {
@@ -126,7 +144,7 @@ class Fits {
 
   void comment(const std::string& text) {
     int status = 0;
-    fits_write_comment(file_, text.c_str(), &status);
+    fits_write_comment(file_, ascii_text(text).c_str(), &status);
     check(status);
   }
 
@@ -218,31 +236,11 @@ void refuse_misread_scale(TimeScale scale) {
   }
 }
 
-/// cfitsio compresses a file from memory when it closes it.
-void refuse_beyond_memory(const std::string& path, std::size_t rows, std::size_t row_bytes) {
-  const double wanted = static_cast<double>(rows) * static_cast<double>(row_bytes);
-  const double memory = static_cast<double>(::sysconf(_SC_PHYS_PAGES)) * static_cast<double>(::sysconf(_SC_PAGESIZE));
-  constexpr double most = 2e9;
-  const double allowed = std::min(most, 0.5 * memory);
-  if (wanted > allowed) {
-    throw InputError(
-        fmt::format("{}: {} rows are {:.2f} GB, all held in memory until they are compressed; at most {:.2f} GB here. "
-                    "Write .fits, which takes any length, and compress that",
-                    path, rows, wanted * 1e-9, allowed * 1e-9));
-  }
-}
-
-}  // namespace
-
-void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
-                const Progress& progress) {
-  if (options.momentum && !ephemeris.inertia()) throw InputError("the angular momentum needs an inertia");
-  refuse_misread_scale(ephemeris.times().scale());
-  OutputFile output(path);
+/// All of an ephemeris as a new file.
+void write_table(Fits& fits, const Ephemeris& ephemeris, const FitsOptions& options,
+                 const std::function<void(std::size_t rows)>& progress) {
   const std::size_t doubles_per_row = 8 + (options.momentum ? 3 : 0) + (options.time_low ? 1 : 0);
   const std::size_t row_bytes = doubles_per_row * sizeof(double);
-  if (path.ends_with(".gz")) refuse_beyond_memory(path, ephemeris.times().size(), row_bytes);
-  Fits fits(output);
   int status = 0;
   fits_create_img(fits.handle(), BYTE_IMG, 0, nullptr, &status);
   fits.check(status);
@@ -309,6 +307,69 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   fits.check(status);
   fits.checksums(data_sum);
   fits.close();
+}
+
+/// The bytes of a file into an output, packed by gzip if asked for; `progress` gets the part that is done.
+void pass_on(const std::string& file, bool packed, OutputBytes& out, const std::function<void(double part)>& progress) {
+  struct Stream : z_stream {
+    Stream() : z_stream{} {}
+    Stream(const Stream&) = delete;
+    Stream& operator=(const Stream&) = delete;
+    ~Stream() { deflateEnd(this); }
+  } stream;
+  constexpr int gzip = 16 + MAX_WBITS;
+  constexpr int usual_memory = 8;
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, gzip, usual_memory, Z_DEFAULT_STRATEGY) != Z_OK) {
+    throw FileError("cannot pack: no memory");
+  }
+  std::ifstream in(file, std::ios::binary);
+  const auto size = static_cast<double>(std::filesystem::file_size(file));
+  std::vector<char> plain(1U << 18U), bytes(1U << 18U);
+  double done = 0.0;
+  do {
+    in.read(plain.data(), static_cast<std::streamsize>(plain.size()));
+    const auto count = static_cast<std::size_t>(in.gcount());
+    if (!in && !in.eof()) throw FileError("cannot read " + file);
+    if (!packed) out.write({plain.data(), count});
+    stream.next_in = reinterpret_cast<Bytef*>(plain.data());
+    stream.avail_in = static_cast<uInt>(count);
+    do {
+      stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
+      stream.avail_out = static_cast<uInt>(bytes.size());
+      if (packed) deflate(&stream, in.eof() ? Z_FINISH : Z_NO_FLUSH);
+      out.write({bytes.data(), bytes.size() - stream.avail_out});
+    } while (stream.avail_out == 0);
+    done += static_cast<double>(count);
+    progress(done / size);
+  } while (!in.eof());
+}
+
+}  // namespace
+
+void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
+                const Progress& progress) {
+  if (options.momentum && !ephemeris.inertia()) throw InputError("the angular momentum needs an inertia");
+  refuse_misread_scale(ephemeris.times().scale());
+  if (!options.packed && !is_passed_through(path)) {
+    OutputFile output(path);
+    Fits fits(output.temporary_path(), path);
+    output.keep_mode();
+    write_table(fits, ephemeris, options, progress);
+    output.commit();
+    return;
+  }
+  // The sums in a header are known after the rows: the whole file first, beside where it goes.
+  OutputBytes output(path);
+  const HiddenFile plain(output.scratch_folder());
+  {
+    Fits fits(plain.path(), path);
+    ::chmod(plain.path().c_str(), S_IRUSR | S_IWUSR);  // of nobody's business
+    write_table(fits, ephemeris, options, {});
+  }
+  const auto rows = static_cast<double>(ephemeris.times().size());
+  pass_on(plain.path(), options.packed, output, [&](double part) {
+    if (progress) progress(static_cast<std::size_t>(part * rows));
+  });
   output.commit();
 }
 

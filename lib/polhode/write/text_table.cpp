@@ -24,13 +24,9 @@ struct Column {
 /// A text as YAML's double-quoted scalar.
 std::string yaml_quoted(std::string_view text) {
   std::string out = "\"";
-  for (const char c : text) {
-    if (static_cast<unsigned char>(c) < 0x20) {
-      out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
-    } else {
-      if (c == '"' || c == '\\') out += '\\';
-      out += c;
-    }
+  for (const char c : plain_text(text)) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
   }
   return out + "\"";
 }
@@ -84,7 +80,7 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
   const TimeGrid& times = ephemeris.times();
   std::string scale(name(times.scale()));
   std::transform(scale.begin(), scale.end(), scale.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (options.ecsv && (times.scale() == TimeScale::et || times.scale() == TimeScale::gps)) {
+  if (options.kind == TextTableKind::ecsv && (times.scale() == TimeScale::et || times.scale() == TimeScale::gps)) {
     throw InputError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(times.scale())));
   }
   std::vector<Column> columns{{"date_" + scale, ""}};
@@ -98,22 +94,33 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
     }
   }
   const int decimals = times.decimals();
-  std::string header = options.ecsv ? ecsv_header(ephemeris, columns, scale, decimals) : "";
-  for (const Column& column : columns) header += (&column == columns.data() ? "" : ",") + column.name;
+  const bool json = options.kind == TextTableKind::json_lines;
   OutputBytes bytes(path);
-  bytes.write(header + "\n");
+  if (!json) {
+    std::string header =
+        options.kind == TextTableKind::ecsv ? ecsv_header(ephemeris, columns, scale, decimals) : std::string();
+    for (const Column& column : columns) header += (&column == columns.data() ? "" : ",") + column.name;
+    bytes.write(header + "\n");
+  }
+  // What stands before each number of a row.
+  std::vector<std::string> before;
+  for (const Column& column : columns) before.push_back(json ? fmt::format(",\"{}\":", column.name) : ",");
 
   const auto encode = [&](DateText& dates, const AttitudeBlock& block, EncodedBlock& out) {
     out.bytes.clear();
-    const auto put = [&out](double value) { append_number(out.bytes, ',', value); };
+    std::size_t column = 0;
+    const auto put = [&](double value) { append_number(out.bytes, before[++column], value); };
     for (std::size_t row = 0; row < block.rows; ++row) {
+      column = 0;
+      if (json) out.bytes.append("{\"").append(columns[0].name).append("\":\"");
       dates.append(out.bytes, block.time[row]);
+      if (json) out.bytes.push_back('"');
       for (const std::size_t k : {1, 2, 3, 0}) put(block.q_frame_from_named[4 * row + k]);
       for (std::size_t k = 0; k < 3; ++k) put(block.omega_named_rad_s[3 * row + k]);
       if (options.momentum) {
         for (std::size_t k = 0; k < 3; ++k) put(block.momentum_named[3 * row + k]);
       }
-      out.bytes.push_back('\n');
+      out.bytes.append(json ? "}\n" : "\n");
     }
   };
   const auto new_encoder = [&]() -> Encoder {

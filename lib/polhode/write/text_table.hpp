@@ -7,12 +7,18 @@
 
 namespace polhode {
 
+enum class TextTableKind {
+  csv,        ///< comma-separated values, one line of names
+  ecsv,       ///< the same with the header of units, scale and frames that astropy.table reads
+  json_lines  ///< each row an object of JSON with these names
+};
+
 struct TextTableOptions {
-  bool ecsv = false;      ///< with the header of units, scale and frames that astropy.table reads; else plain CSV
+  TextTableKind kind = TextTableKind::csv;
   bool momentum = false;  ///< add the angular momentum in body axes
 };
 
-/// An attitude ephemeris as a table of comma-separated values, one line of names, one line per row: the date in the
+/// An attitude ephemeris as a table of text, one line per row: the date in the
 /// scale that the name says; q_x, q_y, q_z, q_scalar, the unit quaternion that takes components from the inertial frame
 /// to the body, passive (as in AEM and FITS: a body turned by +90 degrees about inertial z has 0, 0, 0.7071, 0.7071);
 /// the angular velocity in body axes. Numbers and times as in write_aem. Throws as write_aem.
