@@ -14,6 +14,7 @@
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
 #include "subcommands.hpp"
+#include "whole_number.hpp"
 
 namespace polhode::tools {
 namespace {
@@ -108,8 +109,9 @@ void add_eval(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--step", options->step_s, "Step of a fixed-step integrator in seconds; 0: a hundredth of a turn")
       ->capture_default_str();
-  command->add_option("--max-evaluations", options->most_evaluations, "Under torques: most torque evaluations to spend")
-      ->capture_default_str();
+  add_whole_number(*command, "--max-evaluations", options->most_evaluations, 1, most_evaluations_asked,
+                   "Under torques: most torque evaluations to spend")
+      ->default_str(std::to_string(options->most_evaluations));
   command->add_option("CASEFILE", options->case_file, "Body at t = 0 and times")->required();
   command->callback([options] { eval(*options); });
 }

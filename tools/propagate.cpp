@@ -199,8 +199,8 @@ void print_account(const EphemerisDescription& rows) {
   if (rows.torque_evaluations) text += fmt::format(", {} torque evaluations", *rows.torque_evaluations);
   if (rows.promised_error_rad) text += fmt::format("; rows good to {:.1e} rad", *rows.promised_error_rad);
   if (!rows.error_meaning.empty()) text += fmt::format(" ({})", rows.error_meaning);
-  fmt::print(stderr, "polhode: {}\n", text);
-  for (const std::string& caution : rows.cautions) fmt::print(stderr, "polhode: caution: {}\n", caution);
+  say(text);
+  for (const std::string& caution : rows.cautions) say("caution: " + caution);
 }
 
 void propagate(PropagateOptions options) {
@@ -334,9 +334,9 @@ void add_propagate(CLI::App& app) {
   command->add_option("--euler-sequence", options->output.euler_sequence,
                       "Axes of an AEM's Euler angles; ZXZ unless given");
   command->add_flag("--full", options->full, "Of a scene: keep every effect, at 1e-9 rad");
-  command->add_option("--max-evaluations", options->most_evaluations,
-                      fmt::format("Of a scene: most torque evaluations to spend, {} or with --full {} unless said",
-                                  kMostTorqueEvaluations, kMostTorqueEvaluationsInFull));
+  add_whole_number(*command, "--max-evaluations", options->most_evaluations, 1, most_evaluations_asked,
+                   fmt::format("Of a scene: most torque evaluations to spend, {} or with --full {} unless said",
+                               kMostTorqueEvaluations, kMostTorqueEvaluationsInFull));
   command->add_flag("--history", options->history,
                     "Of a message with inertia and attitude history: write the history, not the motion");
   command->callback([options, command] {

@@ -4,23 +4,24 @@
 
 #include <CLI/CLI.hpp>
 #include <optional>
+#include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/text.hpp"
 
 namespace polhode::tools {
 
-CLI::Option* add_whole_number(CLI::App& command, const std::string& name, std::size_t& number, std::size_t least,
-                              std::size_t most, const std::string& description) {
-  const auto take = [&number, name, least, most](const std::string& text) {
+CLI::Option* add_whole_number(CLI::App& command, const std::string& name, std::function<void(std::size_t)> take,
+                              std::size_t least, std::size_t most, const std::string& description) {
+  const auto read = [take = std::move(take), name, least, most](const std::string& text) {
     const std::optional<long long> value = parse_integer(text);
     if (!value || *value < static_cast<long long>(least) || *value > static_cast<long long>(most)) {
       throw InputError(
           fmt::format("{}: found '{:.40}', a whole number from {} to {} is wanted", name, text, least, most));
     }
-    number = static_cast<std::size_t>(*value);
+    take(static_cast<std::size_t>(*value));
   };
-  return command.add_option_function<std::string>(name, take, description)->type_name("UINT");
+  return command.add_option_function<std::string>(name, read, description)->type_name("UINT");
 }
 
 }  // namespace polhode::tools
