@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <string>
+#include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/text.hpp"
@@ -37,8 +38,8 @@ DateReader date_column(std::string_view name, std::string_view header_scale) {
   constexpr std::array kinds{Kind{"date_", ""}, Kind{"jd_", "JD "}, Kind{"mjd_", "MJD "}};
   for (const Kind& kind : kinds) {
     if (!name.starts_with(kind.begin)) continue;
-    const ScaleClock clock(time_scale(name.substr(kind.begin.size())));
-    return [clock, before = kind.before](std::string_view cell) mutable {
+    ScaleClock clock(time_scale(name.substr(kind.begin.size())));
+    return [clock = std::move(clock), before = kind.before](std::string_view cell) mutable {
       return before.empty() ? clock.parse_date(cell) : clock.parse_date(fmt::format("{}{}", before, cell));
     };
   }
