@@ -156,7 +156,7 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
 
 // --- Text -----------------------------------------------------------------------------------------------------------
 
-constexpr std::string_view date_column = "date_";
+constexpr std::string_view date_column_prefix = "date_";
 
 /// The line of column names: the first that is no comment.
 std::string_view column_line(std::string_view& text, std::size_t& line) {
@@ -170,8 +170,8 @@ std::string_view column_line(std::string_view& text, std::size_t& line) {
 
 bool is_text_table(std::string_view text) {
   std::size_t line = 0;
-  return text.substr(0, 1 << 16).find(date_column) != std::string_view::npos &&
-         column_line(text, line).starts_with(date_column);
+  return text.substr(0, 1 << 16).find(date_column_prefix) != std::string_view::npos &&
+         column_line(text, line).starts_with(date_column_prefix);
 }
 
 /// What stands before the closing quote of a YAML scalar in double quotes; a backslash takes the next character as it
@@ -214,7 +214,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   std::size_t line = 0;
   const std::vector<std::string_view> names = cells_of(column_line(text, line));
   try {
-    history.scale = time_scale(names[0].substr(date_column.size()));
+    history.scale = time_scale(names[0].substr(date_column_prefix.size()));
   } catch (const InputError& error) {
     throw InputError({path, line}, error.what());
   }

@@ -300,7 +300,7 @@ bool is_local_frame(std::string_view name) {
   });
 }
 
-std::optional<Frame> inertial_frame(std::string_view name) {
+std::optional<Frame> known_inertial_frame(std::string_view name) {
   try {
     std::string text = ccsds_text(name);
     if (text.starts_with("ICRF") && text.size() == 5) text = "ICRF";  // ICRF1, ICRF2, ICRF3
@@ -318,7 +318,7 @@ bool is_registered_frame(std::string_view name) {
       "ICRF",  "ITRF",  "LVLH", "MCI",  "MOD",   "MOE", "NSW",   "NTW", "PEF",   "PQW",  "QSW", "RSW",
       "RTN",   "SEZ",   "TDR",  "TEME", "TIRS",  "TNW", "TOD",   "TOE", "UVW",   "VNC",  "VVLH"};
   const std::string text = ccsds_text(name);
-  return inertial_frame(name) || is_local_frame(name) || text.starts_with("WGS84") || text == "VAR" ||
+  return known_inertial_frame(name) || is_local_frame(name) || text.starts_with("WGS84") || text == "VAR" ||
          std::any_of(stems.begin(), stems.end(), [&](std::string_view stem) { return text.starts_with(stem); });
 }
 
@@ -329,8 +329,8 @@ bool same_frame(std::string_view a, std::string_view b) {
     return text == "SC_BODY" ? std::string("SC_BODY_1") : text;
   };
   if (full(a) == full(b)) return true;
-  const std::optional<Frame> fa = inertial_frame(a);
-  return fa && fa == inertial_frame(b);
+  const std::optional<Frame> fa = known_inertial_frame(a);
+  return fa && fa == known_inertial_frame(b);
 }
 
 // --- Kinematics -----------------------------------------------------------------------------------------------------
@@ -350,7 +350,7 @@ StatedAttitude stated(const Kinematics& k, std::string_view block) {
   s.block = block;
   s.frame = reversed ? k.end : k.start;
   s.body = reversed ? k.start : k.end;
-  s.known_frame = inertial_frame(s.frame);
+  s.known_frame = known_inertial_frame(s.frame);
   s.q_frame_from_body = reversed ? k.q_start_from_end.conjugate() : k.q_start_from_end;
   if (k.omega_end_rad_s)
     s.omega_body_rad_s = reversed ? Vector3(-(k.q_start_from_end * *k.omega_end_rad_s)) : *k.omega_end_rad_s;
