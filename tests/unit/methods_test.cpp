@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/conditioning.hpp"
 
 namespace polhode {
 namespace {
@@ -58,6 +59,27 @@ TEST(BatchThreads, GivesTheBitsOfBatchForEveryThreadCount) {
       }
     }
   }
+}
+
+TEST(Methods, PromiseOnlyWhatTheyKnow) {
+  const auto promised = [](std::string_view name, double rate_rad_s, double last_s) {
+    const FreeBody body{{1.0, 2.0, 2.5}, Quaternion::Identity(), rate_rad_s * Vector3(0.1, 0.2, 1.0)};
+    const MotionAccount account = free_motion_account(method(name), body, 0.0, last_s);
+    EXPECT_EQ(account.method, name);
+    EXPECT_FALSE(account.error_meaning.empty());
+    return account.max_error_rad;
+  };
+  for (const Method& m : methods()) {
+    const auto error_rad = promised(m.name, 1.0, 100.0);
+    ASSERT_EQ(error_rad.has_value(), m.exact_everywhere) << m.name;
+    if (error_rad) {
+      EXPECT_GT(*error_rad, 1e-15);
+      EXPECT_LT(*error_rad, 1e-11);
+    }
+  }
+  EXPECT_TRUE(promised("theta", 1.0, 1e10).has_value());
+  // A part in 1e12 of the rate is then more than the body's phase; and no arithmetic knows the last.
+  for (const double rate_rad_s : {1e4, 1e20, 1e40}) EXPECT_FALSE(promised("theta", rate_rad_s, 1e10).has_value());
 }
 
 }  // namespace

@@ -57,6 +57,10 @@ double free_motion_error_rad(std::unique_ptr<FreeMotion> (*make)(const FreeBody&
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     times_s[i] = std::lerp(first_s, last_s, static_cast<double>(i) / static_cast<double>(times_s.size() - 1));
   }
+  // The phase alone grows by that, also where it is beyond any arithmetic.
+  const double turned_rad =
+      body.momentum_body.cwiseQuotient(body.principal_moments).norm() * std::max(std::abs(first_s), std::abs(last_s));
+  if (!(kChange * turned_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
   const double response_rad = largest_response_rad(make, body, times_s, kChange);
   if (!(response_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
   return units * std::numeric_limits<double>::epsilon() * std::max(1.0, response_rad / kChange);
