@@ -140,7 +140,7 @@ def test_compression_can_be_interrupted(tmp_path, times):
         process.send_signal(signal.SIGINT)
     asked = time.monotonic()
     assert process.wait(timeout=20) == -signal.SIGINT
-    assert time.monotonic() - asked < 2
+    assert time.monotonic() - asked < 5
     assert list(tmp_path.iterdir()) == []
 
 

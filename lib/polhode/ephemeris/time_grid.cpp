@@ -10,7 +10,6 @@
 #include <string>
 
 #include "polhode/base/error.hpp"
-#include "polhode/time/clock.hpp"
 
 namespace polhode {
 namespace {
@@ -114,9 +113,8 @@ TimeGrid TimeGrid::of_list(std::span<const Instant> instants, TimeScale scale) {
   TimeGrid grid(scale, instants.front());
   grid.count_ = instants.size();
   grid.list_.reserve(instants.size());
-  ScaleClock clock(scale);
   for (const Instant& instant : instants) {
-    grid.list_.push_back(clock.since_j2000(instant) - grid.reference_since_j2000_);
+    grid.list_.push_back(since_j2000(instant, scale) - grid.reference_since_j2000_);
     if (grid.list_.size() > 1) {
       const Seconds ahead = grid.list_.back() - grid.list_[grid.list_.size() - 2];
       if (!(ahead.high > 0.0)) {

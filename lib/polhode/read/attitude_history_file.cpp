@@ -13,7 +13,6 @@
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
-#include "polhode/time/clock.hpp"
 
 namespace polhode {
 namespace {
@@ -136,7 +135,6 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   }
   const Instant zero =
       Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
-  ScaleClock clock(history.scale);
   AttitudeSegment segment;
   segment.body = table.text("REFFRAMB").value_or("BODY");
   for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -145,8 +143,9 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
     const Instant elapsed = zero + Seconds{seconds, low ? low->values[row] : 0.0};
     const double* v = q->values.data() + 4 * row;
     const Quaternion given = order == "XYZS" ? Quaternion(v[3], v[0], v[1], v[2]) : Quaternion(v[0], v[1], v[2], v[3]);
-    AttitudeSample sample{
-        clock.instant_from_j2000(elapsed.tt_since_j2000()), direction == "A2B" ? given : given.conjugate(), {}};
+    AttitudeSample sample{instant_from_j2000(elapsed.tt_since_j2000(), history.scale),
+                          direction == "A2B" ? given : given.conjugate(),
+                          {}};
     if (omega) sample.omega_body_rad_s = rate_factor * Eigen::Map<const Vector3>(omega->values.data() + 3 * row);
     add_row(segment, sample, {path, 0});
   }
@@ -232,7 +231,6 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     if (at[k] == names.size()) throw InputError({path, line}, "the columns q_x, q_y, q_z, q_scalar are wanted");
   }
   const bool rates = std::all_of(at.begin() + 4, at.end(), [&](std::size_t i) { return i < names.size(); });
-  ScaleClock clock(history.scale);
   AttitudeSegment segment;
   segment.body = "BODY";
   while (!text.empty()) {
@@ -250,7 +248,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     }
     AttitudeSample sample;
     try {
-      sample.time = clock.parse_date(cells[0]);
+      sample.time = parse_date(cells[0], history.scale);
     } catch (const InputError& error) {
       throw InputError(here, error.what());
     }

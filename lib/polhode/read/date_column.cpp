@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <string>
-#include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/text.hpp"
-#include "polhode/time/clock.hpp"
 
 namespace polhode {
 
@@ -38,17 +36,16 @@ DateReader date_column(std::string_view name, std::string_view header_scale) {
   constexpr std::array kinds{Kind{"date_", ""}, Kind{"jd_", "JD "}, Kind{"mjd_", "MJD "}};
   for (const Kind& kind : kinds) {
     if (!name.starts_with(kind.begin)) continue;
-    ScaleClock clock(time_scale(name.substr(kind.begin.size())));
-    return [clock = std::move(clock), before = kind.before](std::string_view cell) mutable {
-      return before.empty() ? clock.parse_date(cell) : clock.parse_date(fmt::format("{}{}", before, cell));
+    const TimeScale scale = time_scale(name.substr(kind.begin.size()));
+    return [scale, before = kind.before](std::string_view cell) {
+      return before.empty() ? parse_date(cell, scale) : parse_date(fmt::format("{}{}", before, cell), scale);
     };
   }
   if (name != "time") return {};
   if (header_scale.empty()) {
     throw InputError("the header says no scale of the column time; date_tdb names one");
   }
-  return
-      [clock = ScaleClock(time_scale(header_scale))](std::string_view cell) mutable { return clock.parse_date(cell); };
+  return [scale = time_scale(header_scale)](std::string_view cell) { return parse_date(cell, scale); };
 }
 
 }  // namespace polhode

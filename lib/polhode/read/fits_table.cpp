@@ -83,7 +83,7 @@ std::optional<std::string> FitsTable::text_of(std::string_view value) {
 std::optional<double> FitsTable::number(const Header& header, std::string_view keyword) {
   const auto found = header.find(keyword);
   if (found == header.end()) return std::nullopt;
-  std::string value(trimmed(found->second.substr(0, found->second.find('/'))));
+  std::string value(trimmed(std::string_view(found->second).substr(0, found->second.find('/'))));
   std::replace(value.begin(), value.end(), 'D', 'E');  // 1.0D5
   return parse_number(value);
 }
@@ -91,7 +91,7 @@ std::optional<double> FitsTable::number(const Header& header, std::string_view k
 std::size_t FitsTable::count(const Header& header, std::string_view keyword) const {
   const auto found = header.find(keyword);
   if (found == header.end()) throw InputError({file_, 0}, fmt::format("broken FITS: {} is missing", keyword));
-  const std::string_view text = trimmed(found->second.substr(0, found->second.find('/')));
+  const std::string_view text = trimmed(std::string_view(found->second).substr(0, found->second.find('/')));
   const std::optional<long long> value = parse_integer(text);
   if (!value || *value < 0) {
     throw InputError({file_, 0}, fmt::format("broken FITS: {} = {:.20}, a whole number is wanted", keyword, text));

@@ -9,7 +9,6 @@
 #include "polhode/read/date_column.hpp"
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
-#include "polhode/time/clock.hpp"
 
 namespace polhode {
 namespace {
@@ -71,7 +70,6 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
   std::string_view header_scale;
   std::optional<DateColumn> column;
   bool is_first = true;
-  ScaleClock tdb(TimeScale::tdb);
   text = without_mark(text);
   for (std::size_t line = 1; !text.empty(); ++line) {
     const std::string_view whole = take_line(text);
@@ -87,9 +85,7 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
       }
       if (is_first) column = DateColumn::of(content, header_scale);
       if (!column) {
-        const DateAndScale date = split_scale(content, missing);
-        const bool in_tdb = date.scale == tdb.scale();
-        instants.push_back(in_tdb ? tdb.parse_date(date.text) : parse_date(date.text, date.scale));
+        instants.push_back(parse_date_with_scale(content, missing).instant);
       } else if (!is_first) {
         instants.push_back(column->date(content));
       }

@@ -219,7 +219,12 @@ class Scanner {
   std::string_view whole_, rest_;
 };
 
-DayAndSeconds parse_julian(std::string_view text, std::string_view numbers, double zero, TimeScale scale) {
+Instant from_day(double mjd, Seconds second_of_day, TimeScale scale) {
+  if (scale == TimeScale::utc) return instant_of_utc(utc_day(mjd), second_of_day);
+  return instant_from_j2000(join_uniform({mjd, second_of_day}), scale);
+}
+
+Instant parse_julian(std::string_view text, std::string_view numbers, double zero, TimeScale scale) {
   Scanner scan(numbers);
   scan.skip_spaces();
   Seconds days = scan.decimal();
@@ -235,10 +240,10 @@ DayAndSeconds parse_julian(std::string_view text, std::string_view numbers, doub
   }
   const double length = scale == TimeScale::utc ? utc_day(day).length_s : day_s;
   const Seconds second = exact_product(fraction.high, length) + Seconds{fraction.low * length, 0.0};
-  return {day, second};
+  return from_day(day, second, scale);
 }
 
-DayAndSeconds parse_calendar(std::string_view text, TimeScale scale) {
+Instant parse_calendar(std::string_view text, TimeScale scale) {
   Scanner scan(text);
   CalendarDate date{scan.number(4), 1, 1};
   scan.need('-');
@@ -255,7 +260,7 @@ DayAndSeconds parse_calendar(std::string_view text, TimeScale scale) {
     date.day = scan.number(2);
     mjd = mjd_of(date);
   }
-  if (scan.done()) return {mjd, {}};
+  if (scan.done()) return from_day(mjd, {}, scale);
   if (!scan.take('T') && !scan.take('t')) scan.need(' ');
   const int hour = scan.number(2);
   scan.need(':');
@@ -276,14 +281,7 @@ DayAndSeconds parse_calendar(std::string_view text, TimeScale scale) {
                     text, name(scale)));
   }
   const double whole = 3600.0 * hour + 60.0 * minute + second;
-  return {mjd, exact_sum(whole, fraction)};
-}
-
-DayAndSeconds parse_day(std::string_view text, TimeScale scale) {
-  const std::string_view date = trimmed(text);
-  if (same_letters(date.substr(0, 3), "MJD")) return parse_julian(text, date.substr(3), 0.0, scale);
-  if (same_letters(date.substr(0, 2), "JD")) return parse_julian(text, date.substr(2), mjd_zero, scale);
-  return parse_calendar(date, scale);
+  return from_day(mjd, exact_sum(whole, fraction), scale);
 }
 
 // `day_length` is that of the day named by `mjd`.
@@ -320,19 +318,6 @@ std::string format_day(double mjd, Seconds second_of_day, double day_length, int
 
 }  // namespace
 
-namespace detail {
-
-double tdb_minus_tt_s(double tt_s) { return eraDtdb(2451545.0, tt_s / day_s, 0.0, 0.0, 0.0, 0.0); }
-
-Seconds parse_uniform(std::string_view text, TimeScale scale) { return join_uniform(parse_day(text, scale)); }
-
-std::string format_uniform(Seconds reading, int decimals) {
-  const DayAndSeconds day = split_uniform(reading);
-  return format_day(day.mjd, day.seconds, day_s, decimals);
-}
-
-}  // namespace detail
-
 std::string_view name(TimeScale scale) {
   return std::find_if(scale_names.begin(), scale_names.end(), [&](const auto& e) { return e.scale == scale; })->name;
 }
@@ -343,12 +328,13 @@ TimeScale time_scale(std::string_view name) {
 }
 
 Instant parse_date(std::string_view text, TimeScale scale) {
-  const DayAndSeconds day = parse_day(text, scale);
-  if (scale == TimeScale::utc) return instant_of_utc(utc_day(day.mjd), day.seconds);
-  return instant_from_j2000(join_uniform(day), scale);
+  const std::string_view date = trimmed(text);
+  if (same_letters(date.substr(0, 3), "MJD")) return parse_julian(text, date.substr(3), 0.0, scale);
+  if (same_letters(date.substr(0, 2), "JD")) return parse_julian(text, date.substr(2), mjd_zero, scale);
+  return parse_calendar(date, scale);
 }
 
-DateAndScale split_scale(std::string_view text, std::optional<TimeScale> missing) {
+Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missing) {
   const std::string_view date = trimmed(text);
   const auto space = date.find_last_of(" \t");
   if (space != std::string_view::npos) {
@@ -359,11 +345,11 @@ DateAndScale split_scale(std::string_view text, std::optional<TimeScale> missing
         throw InputError(fmt::format("'{}' is not a date with its time scale: '{}' is none; allowed: {}", text, word,
                                      scales_allowed));
       }
-      return {date.substr(0, space), *scale};
+      return {parse_date(date.substr(0, space), *scale), *scale};
     }
   }
   if (!date.empty() && (date.back() == 'Z' || date.back() == 'z')) {
-    return {date.substr(0, date.size() - 1), TimeScale::utc};
+    return {parse_date(date.substr(0, date.size() - 1), TimeScale::utc), TimeScale::utc};
   }
   if (!missing) {
     parse_date(date, TimeScale::utc);  // what is no date is said first
@@ -371,16 +357,14 @@ DateAndScale split_scale(std::string_view text, std::optional<TimeScale> missing
         fmt::format("'{}' needs its time scale behind it, as in '2029-04-13T21:46:00 TDB'; allowed: {}, or Z for UTC",
                     text, scales_allowed));
   }
-  return {date, *missing};
-}
-
-Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missing) {
-  const DateAndScale date = split_scale(text, missing);
-  return {parse_date(date.text, date.scale), date.scale};
+  return {parse_date(date, *missing), *missing};
 }
 
 std::string format_date(Instant instant, TimeScale scale, int decimals) {
-  if (scale != TimeScale::utc) return detail::format_uniform(since_j2000(instant, scale), decimals);
+  if (scale != TimeScale::utc) {
+    const DayAndSeconds day = split_uniform(since_j2000(instant, scale));
+    return format_day(day.mjd, day.seconds, day_s, decimals);
+  }
   const UtcReading utc = read_utc(instant);
   return format_day(utc.day.mjd, utc.second_of_day, utc.day.length_s, decimals);
 }

@@ -38,13 +38,6 @@ struct Date {
   TimeScale scale = TimeScale::tdb;
 };
 
-/// The text of a date, and the scale that stands behind it (or `missing`).
-struct DateAndScale {
-  std::string_view text;
-  TimeScale scale = TimeScale::tdb;
-};
-DateAndScale split_scale(std::string_view text, std::optional<TimeScale> missing = std::nullopt);
-
 /// As parse_date, with the scale as a last word ("2029-04-13T21:46:00 UTC") or "Z" for UTC. Without one, `missing` is
 /// the scale; without either, InputError.
 Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missing = std::nullopt);
