@@ -8,6 +8,7 @@
 #include <boost/numeric/odeint/util/odeint_error.hpp>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 #include "polhode/motion/rivals/fixed_step.hpp"
 #include "polhode/motion/rivals/general_purpose.hpp"
@@ -30,6 +31,17 @@ struct Counted {
     f(y, dydt, t);
   }
 };
+
+using BulirschStoer = odeint::bulirsch_stoer<Y>;
+
+/// Boost leaves the length of the last step unset, and compares with it in the first step. It is
+/// private; but an explicit instantiation may name it.
+template <double BulirschStoer::*last_step>
+struct LastStep {
+  friend void clear_last_step(BulirschStoer& stepper) { stepper.*last_step = 0.0; }
+};
+void clear_last_step(BulirschStoer& stepper);
+template struct LastStep<&BulirschStoer::m_dt_last>;
 
 /// A controlled stepper from instant to instant; the last step before an instant is cut to meet it, and the step after
 /// it starts from the length that the cut one would have had.
@@ -116,7 +128,9 @@ std::int64_t run_bulirsch_stoer(const Problem& problem, std::span<const double> 
       return run_dense(odeint::bulirsch_stoer_dense_out<Y>(problem.tolerance, problem.tolerance), rate, problem, times,
                        out);
     }
-    return run_controlled(odeint::bulirsch_stoer<Y>(problem.tolerance, problem.tolerance), rate, problem, times, out);
+    BulirschStoer stepper(problem.tolerance, problem.tolerance);
+    clear_last_step(stepper);
+    return run_controlled(std::move(stepper), rate, problem, times, out);
   });
 }
 
