@@ -43,10 +43,9 @@ void warn_of_two_objects(const Object& a, const Object& b) {
 std::function<Quaternion(Instant)> motion_of(const std::string& path, const Body& body) {
   const FreeBody free = in_file(path, [&] { return free_body(body, Frame::icrf); });
   const std::shared_ptr<const FreeMotion> motion = method("auto").make(free);
-  const Quaternion q_principal_from_named = body.inertia->q_named_from_principal().conjugate();
-  return [motion, q_principal_from_named, epoch = body.state->epoch](Instant time) {
+  return [motion, free, epoch = body.state->epoch](Instant time) {
     const Seconds elapsed = time - epoch;
-    return motion->at(elapsed.high, elapsed.low).q_inertial_from_body * q_principal_from_named;
+    return named_state(free, motion->at(elapsed.high, elapsed.low)).q_inertial_from_named;
   };
 }
 

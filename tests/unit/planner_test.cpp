@@ -426,6 +426,62 @@ TEST(Scenes, ToutatisFrom1992To2008) {
   EXPECT_NEAR(changed_deg_day, 0.076, 0.01);  // Busch et al. 2012 (AGU): 0.08 at most
 }
 
+TEST(Scenes, SayWhereTheCentreOfMassOfAMeshIs) {
+  const std::string path = ::testing::TempDir() + "polhode_scene_mesh_test.toml";
+  const auto scene = [&](const std::string& centre) {
+    std::ofstream(path) << "name = 'x'\nsource = 'y'\nbody = '" POLHODE_DATA_DIR
+                           "/bodies/envisat.toml'\nframe = 'ICRF'\nafter = '1 d'\naccuracy = '1 deg'\n"
+                           "[orbit.sun]\nmu_m3_s2 = 1.32712440018e20\nperiapsis_m = 1.5e11\neccentricity = 0\n"
+                           "periapsis_after_epoch_s = 0\nto_periapsis = [1, 0, 0]\nnormal = [0, 0, 1]\n"
+                           "[[torque]]\nkind = 'sunlight'\nmesh = '" POLHODE_DATA_DIR
+                           "/samples/mesh/box.obj'\nunit_m = 1\nspecular = 0\ndiffuse = 0\norbit = 'sun'\n"
+                        << centre;
+    return read_scene(path);
+  };
+  const auto torque = [&](const std::string& centre, const Vector3& to_sun_m) {
+    return std::get<Sunlight>(scene("centre_of_mass = '" + centre + "'\n").torques.list()[0]).torque(to_sun_m);
+  };
+  // The box of 1 x 2 x 3 has its origin at a corner: light that presses on its middle turns it about the corner only.
+  const Vector3 sun(1.4e11, 0.3e11, 0.2e11);
+  EXPECT_LT(torque("mesh centroid", sun).norm(), 1e-18);
+  const Vector3 about_origin = torque("mesh origin", sun), centroid(0.5, 1.0, 1.5);
+  EXPECT_GT(about_origin.norm(), 1e-7);
+  EXPECT_LT(std::abs(about_origin.dot(centroid)), 1e-12 * about_origin.norm());
+  EXPECT_LT(std::abs(about_origin.dot(sun.normalized())), 1e-12 * about_origin.norm());
+
+  const auto complaint = [&](const std::string& centre) -> std::string {
+    try {
+      scene(centre);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no InputError";
+  };
+  for (const char* wrong : {"", "centre_of_mass = 'the middle'\n"}) {
+    EXPECT_NE(complaint(wrong).find("'mesh origin'"), std::string::npos) << complaint(wrong);
+    EXPECT_NE(complaint(wrong).find("'mesh centroid'"), std::string::npos) << complaint(wrong);
+    EXPECT_NE(complaint(wrong).find(path + ":"), std::string::npos) << complaint(wrong);
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Scenes, RefuseTorquesThatMeanNothingAtTheirLine) {
+  const std::string path = ::testing::TempDir() + "polhode_scene_torque_test.toml";
+  std::ofstream(path)
+      << "name = 'x'\nsource = 'y'\nbody = '" POLHODE_DATA_DIR
+         "/bodies/envisat.toml'\nframe = 'ICRF'\nafter = '1 d'\naccuracy = '1 deg'\n"
+         "[[torque]]\nkind = 'thruster pulse'\ntorque_n_m = [1, 2, 3]\nstart_s = 1e20\nduration_s = 1\n";
+  try {
+    read_scene(path);
+    FAIL();
+  } catch (const InputError& error) {
+    const std::string message = error.what();
+    EXPECT_EQ(message.find(path + ":8: "), 0U) << message;
+    EXPECT_NE(message.find("thruster pulse: a pulse of 1 s that starts at 1e+20 s"), std::string::npos) << message;
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(Scenes, RefuseWhatTheyCannotMean) {
   const std::string path = ::testing::TempDir() + "polhode_scene_test.toml";
   const std::string head =

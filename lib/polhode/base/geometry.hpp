@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "polhode/base/error.hpp"
+
 namespace polhode {
 
 using Vector3 = Eigen::Vector3d;
@@ -29,13 +31,14 @@ inline double rotation_angle_rad(const Quaternion& a, const Quaternion& b) {
 }
 
 /// A direction as longitude, 0 to 2 pi, and latitude, in the axes of its vector: right ascension and declination in an
-/// equatorial frame. The vector may have any length but 0.
+/// equatorial frame. The vector may have any finite length but 0: else InputError.
 struct Direction {
   double longitude_rad = 0.0;
   double latitude_rad = 0.0;
 };
 
 inline Direction direction_of(const Vector3& v) {
+  if (!v.allFinite() || v.isZero(0.0)) throw InputError("a vector of length 0, or not finite, has no direction");
   const double longitude_rad = std::atan2(v.y(), v.x());
   return {longitude_rad < 0.0 ? longitude_rad + 2.0 * std::numbers::pi : longitude_rad,
           std::atan2(v.z(), std::hypot(v.x(), v.y()))};

@@ -16,6 +16,13 @@ Quaternion turn(int axis, double angle_rad) {
   return q;
 }
 
+void check_angles(const Vector3& angles_rad) {
+  if (!angles_rad.allFinite()) {
+    throw InputError(fmt::format("the Euler angles are {}, {}, {} rad; finite ones are wanted", angles_rad[0],
+                                 angles_rad[1], angles_rad[2]));
+  }
+}
+
 double wrapped(double angle_rad) { return std::remainder(angle_rad, 2.0 * std::numbers::pi); }
 
 }  // namespace
@@ -42,6 +49,7 @@ std::string EulerSequence::name() const {
 }
 
 Quaternion q_frame_from_body(const EulerSequence& sequence, const Vector3& angles_rad) {
+  check_angles(angles_rad);
   const auto& axes = sequence.axes();
   return (turn(axes[0], angles_rad[0]) * turn(axes[1], angles_rad[1]) * turn(axes[2], angles_rad[2])).normalized();
 }
@@ -52,6 +60,9 @@ Quaternion q_frame_from_body(const EulerSequence& sequence, const Vector3& angle
 // e0276302). A sequence i, j, k is i, j, i after a turn of the body by 90 deg about j and a change of the last axis'
 // name.
 Vector3 euler_angles_rad(const EulerSequence& sequence, const Quaternion& q) {
+  if (!(q.coeffs().allFinite() && !q.coeffs().isZero(0.0))) {
+    throw InputError(fmt::format("the quaternion {}, {}, {}, {} is no attitude", q.w(), q.x(), q.y(), q.z()));
+  }
   const auto [i, j, last] = sequence.axes();
   const int k = 3 - i - j;
   const double sign = (j - i + 3) % 3 == 1 ? 1.0 : -1.0;
@@ -80,6 +91,8 @@ Vector3 euler_angles_rad(const EulerSequence& sequence, const Quaternion& q) {
 }
 
 Vector3 omega_body_rad_s(const EulerSequence& sequence, const Vector3& angles_rad, const Vector3& rates_rad_s) {
+  check_angles(angles_rad);
+  if (!rates_rad_s.allFinite()) throw InputError("the rates of the Euler angles are not finite");
   const auto& axes = sequence.axes();
   const Quaternion third = turn(axes[2], angles_rad[2]);
   const Quaternion second = turn(axes[1], angles_rad[1]) * third;

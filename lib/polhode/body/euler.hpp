@@ -25,6 +25,8 @@ class EulerSequence {
   std::array<int, 3> axes_;
 };
 
+// The functions throw InputError for angles and rates that are not finite, and for a quaternion that is no attitude.
+
 /// v_frame = q v_body q*.
 Quaternion q_frame_from_body(const EulerSequence& sequence, const Vector3& angles_rad);
 

@@ -52,7 +52,35 @@ Matrix3 nearest_right_handed(const Matrix3& axes, const std::array<int, 3>& orde
   return best + Matrix3::Zero();  // no negative zeros
 }
 
+void check_triangle(const Vector3& moments) {
+  if (moments[2] - moments[1] > moments[0] + triangle_tolerance * moments[2]) {
+    throw InputError(
+        fmt::format("impossible inertia: principal moments {:.9g}, {:.9g}, {:.9g}; no moment can exceed the sum of the "
+                    "other two (by more than {:g} of itself)",
+                    moments[0], moments[1], moments[2], triangle_tolerance));
+  }
+}
+
 }  // namespace
+
+void check_principal_moments(const Vector3& I) {
+  if (!(0.0 < I[0] && I[0] <= I[1] && I[1] <= I[2] && I[2] <= std::numeric_limits<double>::max())) {
+    throw InputError(fmt::format(
+        "the principal moments are {}, {}, {}; positive finite ones in ascending order are wanted", I[0], I[1], I[2]));
+  }
+}
+
+void check(const Inertia& inertia) {
+  check_principal_moments(inertia.principal_moments);
+  check_triangle(inertia.principal_moments);
+  check_principal_axes(inertia.named_from_principal);
+}
+
+void check_principal_axes(const Matrix3& R) {
+  if (!(R.allFinite() && R.determinant() > 0.0 && (R.transpose() * R).isIdentity(1e-9))) {
+    throw InputError("the principal axes are not three right-handed axes of length 1 at right angles");
+  }
+}
 
 Matrix3 inertia_tensor(const Vector3& moments, const Vector3& products, ProductsOfInertia sign) {
   const Vector3 element = sign == ProductsOfInertia::tensor_elements ? products : Vector3(-products);
@@ -88,15 +116,11 @@ Inertia inertia_from_tensor(const Matrix3& tensor, bool absolute) {
     inertia.principal_moments[k] = a(from, from);
   }
   const Vector3& moments = inertia.principal_moments;
-  const std::string found = fmt::format("principal moments {:.9g}, {:.9g}, {:.9g}", moments[0], moments[1], moments[2]);
   if (!(moments[0] > 0.0)) {
-    throw InputError(fmt::format("impossible inertia: {}; all must be positive", found));
+    throw InputError(fmt::format("impossible inertia: principal moments {:.9g}, {:.9g}, {:.9g}; all must be positive",
+                                 moments[0], moments[1], moments[2]));
   }
-  if (moments[2] - moments[1] > moments[0] + triangle_tolerance * moments[2]) {
-    throw InputError(fmt::format(
-        "impossible inertia: {}; no moment can exceed the sum of the other two (by more than {:g} of itself)", found,
-        triangle_tolerance));
-  }
+  check_triangle(moments);
   inertia.named_from_principal = nearest_right_handed(axes, order);
   return inertia;
 }
@@ -106,6 +130,7 @@ Inertia inertia_from_moments(const Vector3& moments_named, bool absolute) {
 }
 
 Vector3 equivalent_ellipsoid_ratios(const Inertia& inertia) {
+  check(inertia);
   const auto [i1, i2, i3] =
       std::array{inertia.principal_moments[0], inertia.principal_moments[1], inertia.principal_moments[2]};
   const double longest = i2 - i1 + i3;  // 5 a^2 / mass, and so on

@@ -22,6 +22,15 @@ struct Inertia {
 /// computed tensors, not for moments printed with few digits.
 inline constexpr double triangle_tolerance = 1e-9;
 
+/// Throws InputError unless the moments are finite, positive and ascending.
+void check_principal_moments(const Vector3& principal_moments);
+
+/// Throws InputError unless the columns are three right-handed axes of length 1 at right angles, within 1e-9.
+void check_principal_axes(const Matrix3& named_from_principal);
+
+/// Throws InputError unless the inertia is as Inertia says. The functions that take one call it.
+void check(const Inertia& inertia);
+
 /// Sign of products of inertia as published.
 enum class ProductsOfInertia {
   tensor_elements,     ///< Ixy as it stands in the tensor: minus the integral of x y dm

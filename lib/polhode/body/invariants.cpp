@@ -94,6 +94,8 @@ std::string_view name(RotationMode mode) {
 }
 
 SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_principal) {
+  check(inertia);
+  if (!momentum_principal.allFinite()) throw InputError("the angular momentum holds a number that is not finite");
   SpinInvariants out;
   out.momentum = momentum_principal.stableNorm();
   if (out.momentum == 0.0) return out;
@@ -151,6 +153,10 @@ Vector3 momentum_principal(const Body& body) {
     throw InputError("body '" + body.name + "' has no angular velocity or momentum");
   }
   const Inertia& inertia = *body.inertia;
+  check(inertia);
+  if (!body.state->omega_named_rad_s->allFinite()) {
+    throw InputError("body '" + body.name + "' has an angular velocity that is not finite");
+  }
   const Vector3 omega_rad_s = inertia.named_from_principal.transpose() * *body.state->omega_named_rad_s;
   return inertia.principal_moments.cwiseProduct(omega_rad_s);
 }

@@ -54,7 +54,7 @@ struct SpinInvariants {
 SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_principal);
 
 /// Angular momentum of a state in principal axes, or in an inertial frame. Throw InputError if the inertia, the rate or
-/// (in a frame) the attitude is missing.
+/// (in a frame) the attitude is missing, or is not what its description says.
 Vector3 momentum_principal(const Body& body);
 Vector3 momentum_in_frame(const Body& body, Frame frame);
 

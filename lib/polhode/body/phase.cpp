@@ -4,11 +4,18 @@
 
 #include <numbers>
 
+#include "polhode/base/error.hpp"
 #include "polhode/time/duration_text.hpp"
 
 namespace polhode {
 
 double phase_horizon_s(const Vector3& omega_rad_s, double period_uncertainty, double angle_rad) {
+  if (!omega_rad_s.allFinite() || !(period_uncertainty > 0.0 && angle_rad > 0.0)) {
+    throw InputError(fmt::format(
+        "the rate is {} rad/s, the periods are uncertain by {} of themselves, the angle is {} rad; a finite "
+        "rate and positive numbers are wanted",
+        omega_rad_s.norm(), period_uncertainty, angle_rad));
+  }
   return angle_rad / (omega_rad_s.norm() * period_uncertainty);
 }
 

@@ -97,11 +97,16 @@ SpinSolution about_symmetry_axis(const Inertia& inertia, const PublishedPeriods&
 }  // namespace
 
 std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedPeriods& periods) {
+  check(inertia);
   const Vector3& moments = inertia.principal_moments;
   if (moments[0] == moments[2]) {
     throw InputError("all moments of inertia are equal: a sphere turns about a fixed axis and has one period only");
   }
-  if (!(periods.rotation_period_s > 0.0 && periods.precession_period_s > 0.0)) throw InputError("periods are positive");
+  if (!(periods.rotation_period_s > 0.0 && periods.precession_period_s > 0.0 &&
+        std::isfinite(periods.rotation_period_s) && std::isfinite(periods.precession_period_s))) {
+    throw InputError(fmt::format("the periods are P_phi = {} s and P_psi = {} s; both must be positive and finite",
+                                 periods.precession_period_s, periods.rotation_period_s));
+  }
   const bool prolate = moments[1] == moments[2];
   const bool symmetric = prolate || moments[0] == moments[1];
   if (symmetric && periods.long_axis_mode.value_or(prolate) != prolate) {
@@ -142,6 +147,8 @@ std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedP
 }
 
 double energy_at(const Inertia& inertia, AxisConvention convention, double theta_rad, double psi_rad) {
+  check(inertia);
+  if (!std::isfinite(theta_rad) || !std::isfinite(psi_rad)) throw InputError("the angles theta and psi are not finite");
   const std::array<int, 3> axes = axes_of(convention);
   const double transverse = std::pow(std::sin(psi_rad), 2) / inertia.principal_moments[axes[0]] +
                             std::pow(std::cos(psi_rad), 2) / inertia.principal_moments[axes[1]];
@@ -153,6 +160,13 @@ double energy_at(const Inertia& inertia, AxisConvention convention, double theta
 
 EulerState state_at(const Inertia& inertia, AxisConvention convention, const SpinSolution& motion, double phi_rad,
                     double psi_rad, bool theta_above_90_deg) {
+  check(inertia);
+  if (!(motion.momentum > 0.0 && std::isfinite(motion.momentum) && std::isfinite(motion.energy))) {
+    throw InputError(
+        fmt::format("the motion has the momentum {} and E/E0 = {}; a positive momentum and finite numbers "
+                    "are wanted",
+                    motion.momentum, motion.energy));
+  }
   const std::array<int, 3> axes = axes_of(convention);
   const Vector3& moments = inertia.principal_moments;
   const double transverse =
@@ -177,6 +191,9 @@ EulerState state_at(const Inertia& inertia, AxisConvention convention, const Spi
 }
 
 Quaternion q_frame_from_momentum(double longitude_rad, double latitude_rad) {
+  if (!std::isfinite(longitude_rad) || !std::isfinite(latitude_rad)) {
+    throw InputError("the direction of the angular momentum is not finite");
+  }
   return Quaternion(Eigen::AngleAxisd(longitude_rad, Vector3::UnitZ())) *
          Quaternion(Eigen::AngleAxisd(0.5 * std::numbers::pi - latitude_rad, Vector3::UnitY()));
 }

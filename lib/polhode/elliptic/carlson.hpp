@@ -8,13 +8,14 @@ namespace polhode {
 inline namespace POLHODE_TARGET {
 
 /// Carlson's R_F(x^2, y^2, z^2) from the square roots of its arguments (DLMF 19.16.1), so that arguments whose squares
-/// underflow keep their digits. x, y, z >= 0, z > 0. At most one of them zero; infinity if two are zero. Real is double
+/// underflow keep their digits. x, y, z >= 0; infinity if two are zero, NaN if one is negative or NaN. Real is double
 /// (measured within 2 ulp) or DoubleDouble (within 2^-99). Duplication (DLMF 19.26.18), then the seventh-order series
 /// (DLMF 19.36.1 with the terms of order 6 and 7).
 template <class Real>
 Real carlson_rf_of_roots(Real x, Real y, Real z) {
   using Traits = RealTraits<Real>;
   const auto high = [](Real v) { return Traits::high(v); };
+  if (!(high(x) >= 0.0 && high(y) >= 0.0 && high(z) >= 0.0)) return std::numeric_limits<double>::quiet_NaN();
   const double smallest_two =
       high(x) < high(y) ? (high(y) < high(z) ? high(y) : high(z)) : (high(x) < high(z) ? high(x) : high(z));
   if (smallest_two == 0.0) return std::numeric_limits<double>::infinity();
@@ -46,11 +47,13 @@ Real carlson_rf_of_roots(Real x, Real y, Real z) {
 }
 
 /// 1/K, the reciprocal of the complete elliptic integral of the first kind whose complementary parameter is
-/// m_c = kc^2 (DLMF 19.8.5): 2/pi times the arithmetic-geometric mean of 1 and kc. 0 <= kc <= 1; zero at kc = 0.
+/// m_c = kc^2 (DLMF 19.8.5): 2/pi times the arithmetic-geometric mean of 1 and kc. 0 <= kc <= 1; zero at kc = 0, NaN
+/// where kc is negative or NaN.
 template <class Real>
 Real reciprocal_complete_k(Real kc) {
   using Traits = RealTraits<Real>;
   if (Traits::high(kc) == 0.0) return 0.0;
+  if (!(Traits::high(kc) > 0.0)) return std::numeric_limits<double>::quiet_NaN();
   Real a = 1.0, b = kc;
   for (;;) {
     const Real difference = a - b;

@@ -1,6 +1,7 @@
 #include "polhode/elliptic/jacobi.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 namespace polhode {
@@ -17,8 +18,8 @@ Jacobi::Jacobi(double kc) : kc_(kc), limit_(1.0) {
     b = std::sqrt(a * b);
     a = next;
   }
-  limit_ = a;
-  quarter_period_ = 0.5 * std::numbers::pi / a;
+  limit_ = kc > 0.0 ? a : std::numeric_limits<double>::quiet_NaN();
+  quarter_period_ = 0.5 * std::numbers::pi / limit_;
 }
 
 JacobiValues Jacobi::at_half_period_fraction(double x) const {

@@ -9,9 +9,10 @@ struct JacobiValues {
   double sn, cn, dn;
 };
 
-/// The Jacobi functions of one modulus, given by its complement kc = k' = sqrt(m_c), 0 < kc <= 1: near kc = 0 the
-/// modulus itself would have no digits left. Each of sn, cn and dn keeps its relative accuracy over the whole period,
-/// also beside its zeros (measured for kc from 1e-20 to 1: 6 ulp of 2^-53 for sn, 6 (1 + |u|) for cn and dn).
+/// The Jacobi functions of one modulus, given by its complement kc = k' = sqrt(m_c), 0 < kc <= 1 or a rounding more
+/// (NaN where it is not positive): near kc = 0 the modulus itself would have no digits left. Each of sn, cn and dn
+/// keeps its relative accuracy over the whole period, also beside its zeros (measured for kc from 1e-20 to 1: 6 ulp of
+/// 2^-53 for sn, 6 (1 + |u|) for cn and dn).
 class Jacobi {
  public:
   explicit Jacobi(double kc);

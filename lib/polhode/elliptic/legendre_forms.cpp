@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "polhode/elliptic/carlson.hpp"
 
@@ -20,6 +21,8 @@ double rc_one(double e) {
 }  // namespace
 
 double carlson_rj_of_roots(double x, double y, double z, double p) {
+  const bool two_zeros = (x == 0.0) + (y == 0.0) + (z == 0.0) > 1;
+  if (!(x >= 0.0 && y >= 0.0 && z >= 0.0 && p > 0.0) || two_zeros) return std::numeric_limits<double>::quiet_NaN();
   // Duplication in the form of Carlson, Numer. Algorithms 10 (1995) 13, with the sum of DLMF 19.36.2 to order 7; its
   // error is about 3 d^8, d being the largest relative deviation from the mean.
   constexpr double kTolerance = 0.008;
@@ -61,6 +64,7 @@ double carlson_rj_of_roots(double x, double y, double z, double p) {
 }
 
 double incomplete_f(double sine, double cosine, double kc) {
+  if (!(sine >= 0.0 && kc >= 0.0)) return std::numeric_limits<double>::quiet_NaN();
   return sine * carlson_rf_of_roots(cosine, std::hypot(cosine, kc * sine), 1.0);  // DLMF 19.25.5
 }
 

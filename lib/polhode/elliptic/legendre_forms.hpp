@@ -1,10 +1,12 @@
 #pragma once
 
+#include <limits>
+
 #include "polhode/base/double_double.hpp"
 
 // Elliptic integrals by the complementary modulus kc = k' = sqrt(m_c), and the amplitude phi by its sine and cosine, so
 // that a caller who knows 1 - k^2 or the distance to pi/2 better than a subtraction loses nothing. With
-// D(theta)^2 = cos^2 + kc^2 sin^2 = 1 - k^2 sin^2.
+// D(theta)^2 = cos^2 + kc^2 sin^2 = 1 - k^2 sin^2. Arguments out of the stated range give NaN.
 
 namespace polhode {
 
@@ -16,6 +18,9 @@ namespace polhode {
 template <class Real>
 Real complete_integral(Real kc, Real root_p, Real a, Real b) {
   using Traits = RealTraits<Real>;
+  if (!(Traits::high(kc) > 0.0 && Traits::high(root_p) > 0.0 && Traits::high(a) >= 0.0 && Traits::high(b) >= 0.0)) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
   Real e = kc, m = 1.0, p = root_p;
   b = b / p;
   for (;;) {

@@ -1,5 +1,7 @@
 #include "polhode/ephemeris/attitude_history.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -154,6 +156,22 @@ const AttitudeSegment* AttitudeHistory::segment_at(Instant time) const {
     if (fallback == nullptr) fallback = &s;
   }
   return fallback;
+}
+
+const AttitudeSegment& checked(const AttitudeSegment& segment) {
+  const std::vector<AttitudeSample>& rows = segment.samples;
+  if (rows.empty()) throw InputError("a segment of an attitude history has no rows");
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto refuse = [i](const char* problem) {
+      throw InputError(fmt::format("row {} of a segment of an attitude history {}", i + 1, problem));
+    };
+    const AttitudeSample& row = rows[i];
+    if (i > 0 && !(rows[i - 1].time < row.time)) refuse("is not later than the one before it");
+    if (!(std::abs(row.q_frame_from_body.norm() - 1.0) <= 1e-6)) refuse("holds a quaternion of another length than 1");
+    if (row.omega_body_rad_s.has_value() != segment.has_rates()) refuse("has a rate where others have none, or none");
+    if (row.omega_body_rad_s && !row.omega_body_rad_s->allFinite()) refuse("holds a rate that is not finite");
+  }
+  return segment;
 }
 
 AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {

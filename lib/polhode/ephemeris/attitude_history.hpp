@@ -77,6 +77,10 @@ struct AttitudeHistory {
 /// attitude. `time` more than 1 us outside of the rows (two files round one time differently): InputError.
 AttitudeSample interpolate(const AttitudeSegment& segment, Instant time);
 
+/// Returns the segment. Throws InputError unless it is as AttitudeSegment says: at least one row, times that increase,
+/// attitudes and rates that are finite, rates on all rows or on none.
+const AttitudeSegment& checked(const AttitudeSegment& segment);
+
 /// Gives the quaternions of the rows the signs with which interpolate() is continuous over the whole segment.
 void make_signs_continuous(AttitudeSegment& segment);
 

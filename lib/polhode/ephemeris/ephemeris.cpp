@@ -38,6 +38,8 @@ Ephemeris::Ephemeris(EphemerisDescription description, const Body& body, Frame f
     : description_(std::move(description)), frame_name_(name(frame)), times_(std::move(times)) {
   if (!body.inertia) throw InputError("the body has no inertia; an ephemeris needs one");
   if (!body.state) throw InputError("the body has no spin state; an ephemeris needs its epoch");
+  if (!motion) throw InputError("the ephemeris is given no motion");
+  check(*body.inertia);
   inertia_ = body.inertia;
   epoch_ = body.state->epoch;
   std::optional<Quaternion> q_principal_from_named;  // absent where the axes are the same
@@ -70,7 +72,7 @@ Ephemeris::Ephemeris(EphemerisDescription description, AttitudeSegment segment, 
     : description_(std::move(description)),
       frame_name_(frame ? name(*frame) : segment.frame),
       times_(std::move(times)),
-      epoch_(segment.samples.front().time) {
+      epoch_(checked(segment).samples.front().time) {
   if (segment.samples.size() == 1 && !segment.has_rates()) {
     throw InputError("an attitude history of one row without rate has no angular velocity");
   }

@@ -58,12 +58,12 @@ struct EphemerisDescription {
 class Ephemeris {
  public:
   /// The motion of a body, of the axes that its file names. `body` has an inertia and a state; `frame` is the inertial
-  /// frame of `motion` and of the rows.
+  /// frame of `motion` and of the rows. Throws InputError for a body without, an inertia that is none, no motion.
   Ephemeris(EphemerisDescription description, const Body& body, Frame frame, TimeGrid times, PrincipalMotion motion);
 
   /// A segment of an attitude history, as interpolate() has it. `times` lie between its first() and last(). The rows
   /// refer to `frame`, or if there is none to the segment's own. Throws InputError if the segment's frame cannot be led
-  /// to `frame`, or if it has a single row without rate.
+  /// to `frame`, if it has a single row without rate, or for what checked() refuses.
   Ephemeris(EphemerisDescription description, AttitudeSegment segment, std::optional<Frame> frame, TimeGrid times);
 
   const EphemerisDescription& description() const { return description_; }

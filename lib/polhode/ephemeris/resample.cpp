@@ -79,6 +79,7 @@ std::vector<Ephemeris> resample(const AttitudeHistory& history, const WantedTime
   if (!history.absolute_time) {
     throw InputError("the times of the attitude history are of a clock that cannot be related to a time scale");
   }
+  for (const AttitudeSegment& segment : history.segments) checked(segment);
   std::vector<Ephemeris> out;
   const auto add = [&](const AttitudeSegment& segment, TimeGrid grid) {
     const bool own_rows = wanted.list.empty() && !wanted.step && wanted.count == 0;

@@ -91,12 +91,18 @@ std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, do
   if (!(tolerance_rad > 0.0) || !std::isfinite(tolerance_rad)) {
     throw InputError(fmt::format("the tolerance is {} rad; it must be positive", tolerance_rad));
   }
+  if (!(rows_error_rad >= 0.0)) {
+    throw InputError(fmt::format("the error of the rows is {} rad; it must be 0 or more", rows_error_rad));
+  }
   const double left_rad = tolerance_rad - rows_error_rad;
   if (!(left_rad >= 0.2 * tolerance_rad)) {
     throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
                                  tolerance_rad, rows_error_rad));
   }
   const double span_s = last_s - first_s;
+  if (!std::isfinite(span_s))
+    throw InputError(fmt::format("the span is {} s to {} s; it must be finite", first_s, last_s));
+  if (!motion) throw InputError("rows are asked for of no motion");
   if (!(span_s >= 0.0)) throw InputError(fmt::format("stop is {} s before start; it must not be", -span_s));
   if (span_s == 0.0) return 1;
   const bool circle = interpolation == RowInterpolation::great_circle;

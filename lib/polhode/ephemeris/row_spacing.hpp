@@ -21,7 +21,7 @@ enum class RowInterpolation {
 ///
 /// Of the tolerance `rows_error_rad`, the promised error of the rows themselves, is taken away first; interpolation is
 /// held to 0.9 of what is left, for what lies between the places. Throws InputError unless the tolerance is positive
-/// and finite, the span not negative, and a fifth of the tolerance left for interpolation.
+/// and finite, the span finite and not negative, and a fifth of the tolerance left for interpolation.
 std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, double last_s, double tolerance_rad,
                                double rows_error_rad, RowInterpolation interpolation);
 

@@ -74,7 +74,7 @@ TimeGrid::TimeGrid(TimeScale scale, Instant first) : scale_(scale) {
 TimeGrid TimeGrid::with_step(Instant start, Instant stop, Seconds step, TimeScale scale) {
   TimeGrid grid(scale, start);
   const Seconds span = since_j2000(stop, scale) - grid.reference_since_j2000_ - grid.start_;
-  if (!(step.high > 0.0) || !std::isfinite(step.high)) {
+  if (!(step.high > 0.0) || !std::isfinite(step.high) || !std::isfinite(step.low)) {
     throw InputError(fmt::format("the step is {} s; it must be positive", step.high));
   }
   if (span.high < 0.0) throw InputError(fmt::format("stop is {} s before start; it must not be", -span.high));
@@ -151,6 +151,12 @@ Seconds TimeGrid::time(std::size_t index, TimeResolution resolution) const {
 }
 
 void TimeGrid::times(std::size_t first, TimeResolution resolution, std::span<Seconds> out) const {
+  if (first > count_ || out.size() > count_ - first) {
+    throw InputError(fmt::format("rows {} to {} are asked for, there are {}", first + 1, first + out.size(), count_));
+  }
+  if (resolution.kind == TimeResolution::Kind::decimals && !(0 <= resolution.decimals && resolution.decimals <= 15)) {
+    throw InputError(fmt::format("{} decimals of a second are asked for, 0 to 15 are allowed", resolution.decimals));
+  }
   if (list_.empty()) {
     const Seconds start = start_;
     const Seconds step = step_;

@@ -38,6 +38,7 @@ class TimeGrid {
   static TimeGrid with_step(Instant start, Instant stop, Seconds step, TimeScale scale);
 
   /// 1 <= `count` <= most_rows times, equally spaced from start to a later stop, both included; one is start alone.
+  /// Throws InputError for others.
   static TimeGrid with_count(Instant start, Instant stop, std::size_t count, TimeScale scale);
 
   /// The given instants, strictly increasing. Throws InputError if not, or if there are none.
@@ -60,7 +61,8 @@ class TimeGrid {
   /// Seconds of scale() from the reference for row `index`, moved to the resolution.
   Seconds time(std::size_t index, TimeResolution resolution) const;
 
-  /// The same for rows first, first + 1, … to fill `out`.
+  /// The same for rows first, first + 1, … to fill `out`. Throws InputError for rows that there are not, or decimals
+  /// out of range.
   void times(std::size_t first, TimeResolution resolution, std::span<Seconds> out) const;
 
   /// The instant that time() names.

@@ -8,7 +8,7 @@
 namespace polhode {
 
 // Leroy, "Notation", "The quantity Delta_j" and "The elliptic modulus".
-EulerSolution::EulerSolution(const FreeBody& body) : I(body.principal_moments) {
+EulerSolution::EulerSolution(const FreeBody& body) : I(checked(body).principal_moments) {
   const Vector3& m = body.momentum_body;
   const double I21 = I[1] - I[0], I31 = I[2] - I[0], I32 = I[2] - I[1], product = I[0] * I[1] * I[2];
   const double m1 = m[0] * m[0], m2 = m[1] * m[1], m3 = m[2] * m[2];

@@ -1,13 +1,21 @@
 #include "polhode/motion/conditioning.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "polhode/base/error.hpp"
+
 namespace polhode {
 
 namespace {
+
+void check_time(double t_s) {
+  if (!std::isfinite(t_s)) throw InputError(fmt::format("the time is {} s, a finite one is wanted", t_s));
+}
 
 /// The largest response at any of the times, in radians; NaN if one is.
 double largest_response_rad(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body,
@@ -45,12 +53,15 @@ constexpr double kChange = 1e-12;  // far above rounding, far below what bends t
 }  // namespace
 
 double condition_number(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body, double t_s) {
+  check_time(t_s);
   const double response_rad = largest_response_rad(make, body, {&t_s, 1}, kChange);
   return response_rad <= kChange ? 1.0 : response_rad / kChange;
 }
 
 double free_motion_error_rad(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body, double first_s,
                              double last_s) {
+  check_time(first_s);
+  check_time(last_s);
   constexpr double units = 16.0;
   constexpr double straight_rad = 0.3;  // beyond, the response is not in proportion to the change
   std::array<double, 33> times_s{};

@@ -11,7 +11,8 @@ namespace polhode {
 
 /// How far the attitude moves, in radians, per relative change of one moment of inertia or of one component of the
 /// momentum, the worst of them, at time t: measured by changing each by a part in 1e12 and evaluating again. At least
-/// 1. It grows with the angle turned, and near the separatrix much faster.
+/// 1. It grows with the angle turned, and near the separatrix much faster. Throws InputError for a time that is not
+/// finite, and what checked() refuses.
 double condition_number(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body, double t_s);
 
 /// Promised error of attitudes between two times: 16 units in the last place per condition number, the largest one of

@@ -1,7 +1,11 @@
 #include "polhode/motion/events.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
+
+#include "polhode/base/error.hpp"
 
 namespace polhode {
 namespace {
@@ -38,6 +42,7 @@ MeanRates mean_rates(const ThetaMotion& motion) {
 }
 
 double next_flip_s(const ThetaMotion& motion, double after_s) {
+  if (!std::isfinite(after_s)) throw InputError(fmt::format("the time is {} s, a finite one is wanted", after_s));
   const theta::Solution& s = motion.solution();
   constexpr double never = std::numeric_limits<double>::infinity();
   // m2 = 0 where the phase is a whole number of half periods: t = (n period - offset) / rate.
@@ -73,6 +78,17 @@ double next_flip_s(const ThetaMotion& motion, double after_s) {
 std::optional<AxisPass> next_pass(const ThetaMotion& motion, const FreeBody& body, const Vector3& axis_body,
                                   const Vector3& direction_inertial, double within_rad, double after_s,
                                   double until_s) {
+  checked(body);
+  const auto is_direction = [](const Vector3& v) { return std::abs(v.norm() - 1.0) <= 1e-9; };
+  if (!is_direction(axis_body) || !is_direction(direction_inertial)) {
+    throw InputError("the axis and the direction must be vectors of length 1");
+  }
+  if (!(within_rad >= 0.0) || !std::isfinite(after_s) || !std::isfinite(until_s)) {
+    throw InputError(
+        fmt::format("a passage within {} rad from {} s to {} s; an angle of 0 or more and finite times are "
+                    "wanted",
+                    within_rad, after_s, until_s));
+  }
   // |omega| is greatest where the energy is all about the axes of small moment: 2E / I1 bounds its square, and so does
   // (G / I1)^2; the former is never larger.
   const Vector3 omega = body.momentum_body.cwiseQuotient(body.principal_moments);

@@ -20,7 +20,7 @@ MeanRates mean_rates(const ThetaMotion& motion);
 /// The first instant after `after_s` at which the middle axis passes the plane across the momentum (m2 = 0), which is
 /// the middle of a flip of a body that spins near its middle axis: the T-handle's. In closed form, to a few ulp of the
 /// time and the polhode's period. Infinity if there is none: constant momentum, or on the separatrix after its only
-/// flip.
+/// flip. Throws InputError for a time that is not finite.
 double next_flip_s(const ThetaMotion& motion, double after_s);
 
 /// A passage of a body axis near an inertial direction.
@@ -31,7 +31,8 @@ struct AxisPass {
 
 /// The first instant in [after_s, until_s] at which the body axis (unit vector, principal axes) is within `within_rad`
 /// of the inertial direction (unit vector). Steps are bounded by the fastest that the body can turn, so that no passage
-/// deeper than 1e-9 rad is missed; the time is good to 1e-9 rad of motion.
+/// deeper than 1e-9 rad is missed; the time is good to 1e-9 rad of motion. Throws InputError for vectors of another
+/// length (by more than 1e-9), a negative angle, times that are not finite, and what checked() refuses.
 std::optional<AxisPass> next_pass(const ThetaMotion& motion, const FreeBody& body, const Vector3& axis_body,
                                   const Vector3& direction_inertial, double within_rad, double after_s, double until_s);
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 
+#include "polhode/body/inertia.hpp"
 #include "polhode/motion/motion.hpp"
 #include "polhode/torque/torques.hpp"
 
@@ -21,8 +22,13 @@ struct ExtendedState {
 template <class Real>
 class Extrapolation {
  public:
+  /// `torques`, in principal axes (Torques::in_principal_axes), must outlive it. Throws InputError for impossible
+  /// moments.
   Extrapolation(const Vector3& principal_moments, const Torques& torques)
-      : moments_(principal_moments.cast<Real>()), torques_(torques) {}
+      : moments_(principal_moments.cast<Real>()), torques_(torques) {
+    check_principal_moments(principal_moments);
+  }
+  Extrapolation(const Vector3&, const Torques&&) = delete;  // they would be gone
 
   struct Step {
     ExtendedState state;

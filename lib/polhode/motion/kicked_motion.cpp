@@ -53,7 +53,8 @@ double ramp(double turns) {
 /// Makes runs, and counts what they cost.
 class KickedMotion::Runner {
  public:
-  Runner(const Vector3& moments, const Torques& torques) : moments_(moments), torques_(torques) {}
+  Runner(const FreeBody& body, const Torques& torques)
+      : moments_(body.principal_moments), torques_(torques.in_principal_axes(body.named_from_principal)) {}
 
   /// One way from t = 0 to end_s, with `take` after each step.
   template <class Take>
@@ -106,14 +107,19 @@ class KickedMotion::Runner {
   std::size_t evaluations = 0;
 
  private:
-  const Vector3& moments_;
-  const Torques& torques_;
+  const Vector3 moments_;
+  const Torques torques_;
 };
 
 namespace {
 
 /// Whether the method is for this at all.
 bool applies(const FreeBody& body, const Torques& torques, const KickedOptions& options) {
+  checked(body);
+  check_span(options.first_s, options.last_s);
+  if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
+    throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
+  }
   const FreeState start{body.q_inertial_from_body, body.momentum_body};
   const double rate = mean_rate_rad_s(body.principal_moments, start);
   const double span_s = std::max(options.last_s, -options.first_s);
@@ -145,7 +151,7 @@ std::optional<double> KickedMotion::chosen_step_rad(const FreeBody& body, const 
 std::optional<double> KickedMotion::predicted_evaluations(const FreeBody& body, const Torques& torques,
                                                           const KickedOptions& options) {
   if (!applies(body, torques, options)) return std::nullopt;
-  Runner runner(body.principal_moments, torques);
+  Runner runner(body, torques);
   const std::optional<double> step_rad = chosen_step_rad(body, options, runner);
   if (!step_rad) return std::nullopt;
   const double rate = mean_rate_rad_s(body.principal_moments, {body.q_inertial_from_body, body.momentum_body});
@@ -156,7 +162,7 @@ std::optional<double> KickedMotion::predicted_evaluations(const FreeBody& body, 
 std::unique_ptr<const KickedMotion> KickedMotion::make(const FreeBody& body, const Torques& torques,
                                                        const KickedOptions& options, std::size_t* in_vain) {
   if (!applies(body, torques, options)) return nullptr;
-  Runner runner(body.principal_moments, torques);
+  Runner runner(body, torques);
   std::unique_ptr<const KickedMotion> motion = make(body, options, runner);
   if (!motion && in_vain != nullptr) *in_vain += runner.evaluations;
   return motion;
@@ -233,6 +239,7 @@ MotionAccount KickedMotion::account() const {
 }
 
 FreeState KickedMotion::at(double t_high_s, double t_low_s) const {
+  if (std::isnan(t_high_s + t_low_s)) return nan_state();
   const double room_s = end_room_s(options_.last_s - options_.first_s);
   if (!(t_high_s >= options_.first_s - room_s && t_high_s <= options_.last_s + room_s)) {
     throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s",
@@ -240,7 +247,8 @@ FreeState KickedMotion::at(double t_high_s, double t_low_s) const {
   }
   // Kicks stand half way between nodes: the nearest node is on the same free motion.
   const Node& node = nodes_[nearest(t_high_s)];
-  const ThetaMotion free({moments_, node.state.q_inertial_from_body, node.state.momentum_body},
+  const ThetaMotion free(ThetaMotion::Unchecked{},
+                         {moments_, node.state.q_inertial_from_body, node.state.momentum_body},
                          ThetaMotion::Span::step);
   return free.at(t_high_s - node.t_s, t_low_s);
 }

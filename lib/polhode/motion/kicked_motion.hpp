@@ -31,7 +31,9 @@ class KickedMotion final : public FreeMotion {
  public:
   /// Nothing where the span has too few turns, the surroundings change too fast, the motion is too near the separatrix,
   /// a torque jumps, or the tolerance is not met, or not within the limit of evaluations: another method is then
-  /// needed. What was spent in vain is added to `in_vain`.
+  /// needed. What was spent in vain is added to `in_vain`. Torques are in the axes of
+  /// body.named_from_principal. Throws InputError for what checked() refuses, a span without 0, a tolerance that is not
+  /// positive and finite.
   static std::unique_ptr<const KickedMotion> make(const FreeBody& body, const Torques& torques,
                                                   const KickedOptions& options, std::size_t* in_vain = nullptr);
 
@@ -39,7 +41,7 @@ class KickedMotion final : public FreeMotion {
   static std::optional<double> predicted_evaluations(const FreeBody& body, const Torques& torques,
                                                      const KickedOptions& options);
 
-  /// Throws InputError for a time outside of the span by more than end_room_s().
+  /// Throws InputError for a time outside of the span by more than end_room_s(); NaN gives NaN.
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
 
   double error_rad() const { return error_rad_; }                  ///< estimated, worst of the span

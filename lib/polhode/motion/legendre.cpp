@@ -343,7 +343,7 @@ class Separatrix final : public FreeMotion {
 }  // namespace
 
 std::unique_ptr<FreeMotion> make_legendre(const FreeBody& body) {
-  const PreferredBody p = preferred(body);
+  const PreferredBody p = preferred(checked(body));
   if (momentum_is_constant(p.I, p.m)) return std::make_unique<ConstantMomentum>(p, body.momentum_body);
   const Invariants v = invariants(p);
   if (v.sign_delta2 == 0) return std::make_unique<Separatrix>(p, v);

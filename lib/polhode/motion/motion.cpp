@@ -1,10 +1,50 @@
 #include "polhode/motion/motion.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
+#include "polhode/body/inertia.hpp"
 
 namespace polhode {
 
+const FreeBody& checked(const FreeBody& body) {
+  check_principal_moments(body.principal_moments);
+  const Quaternion& q = body.q_inertial_from_body;
+  const Vector3& m = body.momentum_body;
+  if (!q.coeffs().allFinite() || q.coeffs().isZero(0.0)) {
+    throw InputError(fmt::format("the attitude is {}, {}, {}, {}; a finite quaternion other than 0 is wanted", q.w(),
+                                 q.x(), q.y(), q.z()));
+  }
+  if (!m.allFinite()) {
+    throw InputError(fmt::format("the angular momentum is {}, {}, {}; a finite one is wanted", m[0], m[1], m[2]));
+  }
+  return body;
+}
+
+FreeState nan_state() {
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+  return {Quaternion(nan, nan, nan, nan), Vector3::Constant(nan)};
+}
+
+void check_span(double first_s, double last_s) {
+  if (!(first_s <= 0.0 && last_s >= 0.0 && std::isfinite(last_s - first_s))) {
+    throw InputError(fmt::format("the span is {} s to {} s, a finite one that holds 0 is wanted", first_s, last_s));
+  }
+}
+
+void check_lengths(const TimeArrays& times) {
+  if (!times.low.empty() && times.low.size() != times.high.size()) {
+    throw InputError(
+        fmt::format("{} times have {} low parts; as many are wanted, or none", times.high.size(), times.low.size()));
+  }
+}
+
 void FreeMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+  check_lengths(times);
   for (std::size_t i = 0; i < times.high.size(); ++i) {
     const FreeState s = at(times.high[i], times.low.empty() ? 0.0 : times.low[i]);
     const Eigen::Vector4d q = scalar_first(s.q_inertial_from_body);
@@ -17,6 +57,7 @@ void FreeMotion::batch(const TimeArrays& times, const StateArrays& out) const {
 }
 
 void batch_threads(const FreeMotion& motion, const TimeArrays& times, const StateArrays& out, unsigned thread_count) {
+  check_lengths(times);
   constexpr std::size_t kGrain = 512;  // batches work in blocks of a divisor of this
   parallel_chunks(times.high.size(), kGrain, thread_count, [&](std::size_t begin, std::size_t end) {
     const TimeArrays part{times.high.subspan(begin, end - begin),

@@ -17,9 +17,19 @@ struct FreeBody {
   Vector3 principal_moments;
   /// v_inertial = q v_body q*, any length but 0 (normalised exactly inside).
   Quaternion q_inertial_from_body;
-  /// Angular momentum in the principal axes, (unit of inertia) rad/s. Zero is a body at rest.
+  /// Angular momentum in the principal axes, (unit of inertia) rad/s, finite. Zero is a body at rest.
   Vector3 momentum_body;
+  /// The principal axes, as columns, in the axes that torques on the body are given in: v_named = R v_principal, as in
+  /// Inertia. The free motion does not depend on it.
+  Matrix3 named_from_principal = Matrix3::Identity();
 };
+
+/// Returns the body. Throws InputError, naming what was found, unless it is as FreeBody says: every motion calls it
+/// when it is made. (named_from_principal is checked where torques are.)
+const FreeBody& checked(const FreeBody& body);
+
+/// Throws InputError unless the span of a motion is finite and holds t = 0.
+void check_span(double first_s, double last_s);
 
 /// Attitude and angular momentum at one instant.
 struct FreeState {
@@ -35,11 +45,17 @@ struct MotionAccount {
   std::size_t torque_evaluations = 0;   ///< of all runs, also of those that were not kept
 };
 
+/// What a motion answers where it has no answer: NaN throughout.
+FreeState nan_state();
+
 /// Seconds from t = 0: `high`, or high + low for callers with two parts (they may overlap). Any order, size and sign.
 struct TimeArrays {
   std::span<const double> high;
   std::span<const double> low = {};  ///< empty, or as long as `high`
 };
+
+/// Throws InputError if `low` has another length. Every batch calls it once.
+void check_lengths(const TimeArrays& times);
 
 /// Where a batch writes: component k of instant i goes to q[k][i * q_stride] and m[k][i * m_stride]. Arrays of
 /// structures (Eigen-mappable row-major n x 4 and n x 3) and separate arrays are the two layouts that are fast. m may
@@ -59,19 +75,26 @@ struct StateArrays {
   }
 };
 
-/// A motion, built once, answered at any time. Thread-safe: evaluation changes nothing.
+/// A motion, built once, answered at any time. Thread-safe: evaluation changes nothing. The classes of motions can be
+/// copied, moved and kept in a vector.
 class FreeMotion {
  public:
-  FreeMotion() = default;
-  FreeMotion(const FreeMotion&) = delete;
-  FreeMotion& operator=(const FreeMotion&) = delete;
   virtual ~FreeMotion() = default;
 
-  /// State at t = high + low seconds.
+  /// State at t = high + low seconds. Where t is NaN, or infinite and the motion has no span, the attitude is NaN, and
+  /// so is the momentum unless it stays as it is; a motion that was made for a span throws InputError for other times
+  /// outside of it. Batches do the same.
   virtual FreeState at(double t_high_s, double t_low_s = 0.0) const = 0;
 
   /// States at many times; the default calls at() for each. Allocates nothing.
   virtual void batch(const TimeArrays& times, const StateArrays& out) const;
+
+ protected:
+  FreeMotion() = default;
+  FreeMotion(const FreeMotion&) = default;  // not through the base, which would cut a motion down to it
+  FreeMotion(FreeMotion&&) = default;
+  FreeMotion& operator=(const FreeMotion&) = default;
+  FreeMotion& operator=(FreeMotion&&) = default;
 };
 
 /// FreeMotion::batch on several threads, 0 meaning one per core. The results are the same bits for every thread count.

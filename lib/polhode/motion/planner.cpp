@@ -41,32 +41,37 @@ template <class... Cases>
 Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not deduce it
 
 double largest_norm(const Matrix3& matrix) { return matrix.norm(); }
+/// What a damping takes of the momentum per second, at the most: the matrix times 1/I, its norm from above by those of
+/// its columns and rows (exact where it is diagonal).
+double largest_rate(const Matrix3& damping, const Vector3& I) {
+  const Matrix3 sizes = (damping * I.cwiseInverse().asDiagonal()).cwiseAbs();
+  return std::sqrt(sizes.colwise().sum().maxCoeff() * sizes.rowwise().sum().maxCoeff());
+}
 
 /// No attitude and no momentum of this length feels a larger torque at time t.
 double largest_torque(const Torque& torque, double t_s, const FreeBody& body) {
   const Vector3& I = body.principal_moments;
   const double momentum = body.momentum_body.norm();
   return std::visit(
-      Overloaded{
-          [&](const GravityGradient& one) {
-            const double r = one.trajectory.state(t_s).position_m.norm();
-            return 1.5 * one.mu_m3_s2 / (r * r * r) * (I[2] - I[0]);
-          },
-          [](const ConstantTorque& one) { return one.torque.norm(); },
-          [&](const ThrusterPulse& one) {
-            return one.start_s <= t_s && t_s <= one.end_s() ? one.torque_body.norm() : 0.0;
-          },
-          [&](const LinearDamping& one) { return one.coefficients.cwiseQuotient(I).cwiseAbs().maxCoeff() * momentum; },
-          [&](const EddyCurrents& one) {
-            const OrbitState<double> orbit = one.trajectory.state(t_s);
-            const double r = orbit.position_m.norm(), v = orbit.velocity_m_s.norm();
-            const double field = 2.0 * one.dipole_t_m3 / (r * r * r);
-            return largest_norm(one.magnetic_tensor_s_m4) * field * field * (momentum / I[0] + 6.0 * v / r);
-          },
-          [&](const InternalDissipation& one) {
-            return one.relaxation * momentum * momentum * momentum * 0.5 * (1.0 / I[0] - 1.0 / I[2]);
-          },
-          [&](const Sunlight& one) { return one.largest_torque(t_s); }},
+      Overloaded{[&](const GravityGradient& one) {
+                   const double r = one.trajectory.state(t_s).position_m.norm();
+                   return 1.5 * one.mu_m3_s2 / (r * r * r) * (I[2] - I[0]);
+                 },
+                 [](const ConstantTorque& one) { return one.torque.norm(); },
+                 [&](const ThrusterPulse& one) {
+                   return one.start_s <= t_s && t_s <= one.end_s() ? one.torque_body.norm() : 0.0;
+                 },
+                 [&](const LinearDamping& one) { return largest_rate(one.coefficients, I) * momentum; },
+                 [&](const EddyCurrents& one) {
+                   const OrbitState<double> orbit = one.trajectory.state(t_s);
+                   const double r = orbit.position_m.norm(), v = orbit.velocity_m_s.norm();
+                   const double field = 2.0 * one.dipole_t_m3 / (r * r * r);
+                   return largest_norm(one.magnetic_tensor_s_m4) * field * field * (momentum / I[0] + 6.0 * v / r);
+                 },
+                 [&](const InternalDissipation& one) {
+                   return one.relaxation * momentum * momentum * momentum * 0.5 * (1.0 / I[0] - 1.0 / I[2]);
+                 },
+                 [&](const Sunlight& one) { return one.largest_torque(t_s); }},
       torque);
 }
 
@@ -286,12 +291,11 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
 
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
                  bool full) {
-  if (!(accuracy_rad > 0.0)) {
+  checked(body);
+  if (!(accuracy_rad > 0.0 && std::isfinite(accuracy_rad))) {
     throw InputError(fmt::format("the accuracy is {}, a positive angle in radians is wanted", accuracy_rad));
   }
-  if (!(first_s <= 0.0 && last_s >= 0.0 && std::isfinite(last_s - first_s))) {
-    throw InputError(fmt::format("the span is {} s to {} s, a finite one that holds 0 is wanted", first_s, last_s));
-  }
+  check_span(first_s, last_s);
   Plan plan;
   const double momentum = body.momentum_body.norm();
   const double rate_rad_s = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
@@ -301,7 +305,8 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   plan.sensitivity = sensitivity ? sensitivity->at_the_end() : momentum > 0.0 ? 1.0 : kInfinity;
 
   std::vector<std::size_t> by_size;
-  for (const Torque& torque : torques.list()) {
+  const Torques principal = torques.in_principal_axes(body.named_from_principal);
+  for (const Torque& torque : principal.list()) {
     PlannedEffect effect;
     effect.name = torque_name(torque);
     if (momentum > 0.0) {

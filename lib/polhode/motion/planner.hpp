@@ -55,6 +55,9 @@ constexpr std::size_t kMostTorqueEvaluationsInFull = 100'000'000;
 /// both ways in time) and doubled. An effect is dropped if all dropped ones together stay below half of the motion's
 /// share; what they leave is for the propagation. `full` keeps everything, at 1e-9 rad.
 ///
+/// Torques are in the axes of body.named_from_principal, in the plan too. Throws InputError for what checked() refuses,
+/// a span without 0, an accuracy that is not positive and finite.
+///
 /// Few turns, or high accuracy: TorquedMotion. Many turns and a low accuracy: KickedMotion, where its trial finds that
 /// it serves. Nothing kept: the exact free motion.
 ///

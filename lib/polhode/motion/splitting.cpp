@@ -122,7 +122,7 @@ void SplittingRun::step(double length_s) {
   double drifted = 0.0;
   for (std::size_t i = 0; i < scheme_.kicks; ++i) {
     drifted += scheme_.drift(i);
-    if (!free_) free_.emplace(body_, ThetaMotion::Span::step);
+    if (!free_) free_.emplace(ThetaMotion::Unchecked{}, body_, ThetaMotion::Span::step);
     const FreeState now = free_->at(since_kick_s_ + scheme_.drift(i) * length_s);
     body_.q_inertial_from_body = now.q_inertial_from_body;
     body_.momentum_body = now.q_inertial_from_body.conjugate() * momentum_inertial_;
@@ -130,7 +130,7 @@ void SplittingRun::step(double length_s) {
     kick(t_s_ + drifted * length_s, scheme_.kick(i) * length_s);
     free_.reset();
   }
-  free_.emplace(body_, ThetaMotion::Span::step);  // also drifts into the next step
+  free_.emplace(ThetaMotion::Unchecked{}, body_, ThetaMotion::Span::step);  // also drifts into the next step
   since_kick_s_ = scheme_.drift(scheme_.kicks) * length_s;
   t_s_ += length_s;
 }

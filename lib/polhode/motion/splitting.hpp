@@ -35,22 +35,26 @@ std::span<const SplittingScheme> splitting_schemes();
 /// Throws InputError naming the allowed ones.
 const SplittingScheme& splitting_scheme(std::string_view name);
 
-/// B(length_s): the torque at time t_s, at the attitude that the body has, for so long. Changes the momentum (and,
-/// under internal dissipation, the attitude); returns what it has added to the momentum in inertial axes.
+/// B(length_s): the torque (in principal axes) at time t_s, at the attitude that the body has, for so long. Changes the
+/// momentum (and, under internal dissipation, the attitude); returns what it has added to the momentum in inertial
+/// axes. Nothing is checked: numbers that are not finite make others.
 Vector3 kick(FreeBody& body, double t_s, double length_s, const Torques& torques);
 
 /// A run of steps from one state, forward or backward.
 class SplittingRun {
  public:
-  /// `torques` must not jump during the run (Torques::during).
+  /// `torques`, in the axes of start.named_from_principal, must not jump during the run (Torques::during). Throws
+  /// InputError for what checked() refuses, and for a time that is not finite. `scheme` is one of splitting_schemes().
   SplittingRun(const FreeBody& start, double start_s, const Torques& torques, const SplittingScheme& scheme)
-      : torques_(torques),
+      : torques_(torques.in_principal_axes(start.named_from_principal)),
         scheme_(scheme),
-        body_(start),
+        body_(checked(start)),
         momentum_inertial_(start.q_inertial_from_body.normalized() * start.momentum_body),
-        t_s_(start_s) {}
+        t_s_(start_s) {
+    check_finite("the start of the run", start_s);
+  }
 
-  /// One step, which ends at t_s() + length_s.
+  /// One step, which ends at t_s() + length_s. Nothing is checked: where a torque is not finite, the state is NaN.
   void step(double length_s);
 
   double t_s() const { return t_s_; }
@@ -60,8 +64,8 @@ class SplittingRun {
  private:
   void kick(double t_s, double length_s);
 
-  const Torques& torques_;
-  const SplittingScheme& scheme_;
+  Torques torques_;
+  SplittingScheme scheme_;
   FreeBody body_;  // after the last kick (or at the start)
   // Free motion keeps the momentum in space: carried here, with what its sums have rounded away, it does not feel the
   // rounding of the drifts.

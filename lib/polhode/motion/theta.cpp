@@ -38,7 +38,8 @@ const theta::Target& ThetaMotion::best_target() {
   return *best;
 }
 
-ThetaMotion::ThetaMotion(const FreeBody& body, Span span, const theta::Target& target) : target_(&target) {
+ThetaMotion::ThetaMotion(Unchecked /*unused*/, const FreeBody& body, Span span, const theta::Target& target)
+    : target_(&target) {
   theta::Input in;
   const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
   for (int k = 0; k < 3; ++k) {
@@ -56,6 +57,7 @@ FreeState ThetaMotion::at(double t_high_s, double t_low_s) const {
 }
 
 void ThetaMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+  check_lengths(times);
   theta::BatchArguments arguments{times.high.data(), times.low.empty() ? nullptr : times.low.data(),
                                   times.high.size(), {out.q[0], out.q[1], out.q[2], out.q[3]},
                                   out.q_stride,      {out.m[0], out.m[1], out.m[2]},

@@ -21,11 +21,17 @@ class ThetaMotion final : public FreeMotion {
     step,  ///< plain double, several times cheaper to build: for a step of a splitting method, up to about a turn
   };
 
-  /// For the instruction set that this machine does best.
+  /// For the instruction set that this machine does best. Throws InputError for what checked() refuses.
   explicit ThetaMotion(const FreeBody& body, Span span = Span::any) : ThetaMotion(body, span, best_target()) {}
 
   /// For one of theta::targets(), to compare them.
-  ThetaMotion(const FreeBody& body, Span span, const theta::Target& target);
+  ThetaMotion(const FreeBody& body, Span span, const theta::Target& target)
+      : ThetaMotion(Unchecked{}, checked(body), span, target) {}
+
+  /// For a body that comes from one that was checked, as inside a splitting method: an attitude or a momentum that is
+  /// not finite gives states of NaN.
+  struct Unchecked {};
+  ThetaMotion(Unchecked, const FreeBody& body, Span span, const theta::Target& target = best_target());
 
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;

@@ -32,7 +32,7 @@ constexpr std::size_t kManyWindows = 50;
 // double only, where it is not rounding that keeps two runs apart.
 constexpr double kLooserExtrapolation = 1e2, kLooserExtrapolationInDouble = 100.0;
 constexpr double kGainOfExtrapolation = 10.0, kGainOfExtrapolationInDouble = 2.0;
-constexpr double kClaimWithKinks = 4.0;  // of the difference of two runs; errors of 1.6 of it were seen
+constexpr double kClaimWithKinks = 4.0;   // of the difference of two runs; errors of 1.6 of it were seen
 constexpr double kAsymptotic_rad = 1e-2;  // runs that differ by more say nothing of each other
 
 ExtendedState extended(const FreeState& state) {
@@ -41,6 +41,10 @@ ExtendedState extended(const FreeState& state) {
 
 FreeState plain(const ExtendedState& state) {
   return {state.q_inertial_from_body.cast<double>(), state.momentum_body.cast<double>()};
+}
+
+bool is_finite(const FreeState& state) {
+  return state.q_inertial_from_body.coeffs().allFinite() && state.momentum_body.allFinite();
 }
 
 /// Angle between two attitudes to the digits of long double.
@@ -121,6 +125,7 @@ class TorquedMotion::Builder {
                                                                                evaluations, local_error);
     }
     const FreeState start = plain(from.state);
+    if (!is_finite(start)) return from.state;
     SplittingRun run({moments, start.q_inertial_from_body, start.momentum_body}, from.t_s, torques, *way.scheme);
     for (std::size_t i = 0; i < parts; ++i) run.step(length_s / static_cast<double>(parts));
     evaluations += run.torque_evaluations();
@@ -222,6 +227,7 @@ class TorquedMotion::Builder {
       fine[l].nodes.assign(1, {nodes[0].t_s, state});
       if (way_.scheme != nullptr) {
         const FreeState start = plain(state);
+        if (!is_finite(start)) return false;
         SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, nodes[0].t_s, fine[l].torques,
                          *way_.scheme);
         for (std::size_t i = 1; i < nodes.size(); ++i) {
@@ -322,15 +328,13 @@ class TorquedMotion::Builder {
   std::size_t evaluations_ = 0, gradients_ = 0;
 };
 
-TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options)
-    : moments_(body.principal_moments), tolerance_rad_(options.tolerance_rad) {
-  if (!(options.tolerance_rad > 0.0)) {
+TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named, const TorquedOptions& options)
+    : moments_(checked(body).principal_moments), tolerance_rad_(options.tolerance_rad) {
+  const Torques torques = torques_named.in_principal_axes(body.named_from_principal);
+  if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
     throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
   }
-  if (!(options.first_s <= 0.0 && options.last_s >= 0.0 && std::isfinite(options.last_s - options.first_s))) {
-    throw InputError(
-        fmt::format("the span is {} s to {} s, a finite one that holds 0 is wanted", options.first_s, options.last_s));
-  }
+  check_span(options.first_s, options.last_s);
   // What "auto" tries in turn; a method of the caller's choice stands alone.
   std::vector<std::string_view> methods{options.method};
   const double phase_rad =
@@ -342,8 +346,11 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques, const
   for (const std::string_view name : methods) {
     const bool last = name == methods.back();
     Builder builder(body, torques, options, name);
-    method_ = name;
     way_ = Builder::way(name);
+    method_ = way_.variation           ? kVariation
+              : way_.scheme != nullptr ? way_.scheme->name
+              : way_.extended          ? kExtrapolation
+                                       : kExtrapolationInDouble;  // not `name`, which may be the caller's
     double gain = 1.0, looser = 1.0, safety = kSafety;
     if (way_.variation) {
       safety = kSafetyOfVariation;
@@ -426,6 +433,7 @@ std::size_t TorquedMotion::steps() const {
 }
 
 FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
+  if (std::isnan(t_high_s + t_low_s)) return nan_state();
   const double room_s = end_room_s(last_s_ - first_s_);
   if (!(t_high_s >= first_s_ - room_s && t_high_s <= last_s_ + room_s)) {
     throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_,

@@ -27,7 +27,8 @@ struct TorquedOptions {
   double first_s = 0.0, last_s = 0.0;
   /// "variation": variation of constants around the exact motion; one of splitting_schemes() by name;
   /// "extrapolation-double"; "extrapolation" in long double; or "auto": variation where the torques are small enough
-  /// for it, else extrapolation, in long double where doubles cannot meet the tolerance.
+  /// for it, else extrapolation, in long double where doubles cannot meet the tolerance. The motion keeps no view of
+  /// it.
   std::string_view method = "auto";
   /// Of all runs together.
   std::size_t max_torque_evaluations = 100'000'000;
@@ -53,10 +54,11 @@ constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s
 /// order everywhere.
 class TorquedMotion final : public FreeMotion {
  public:
-  /// Throws InputError for a span without 0, a tolerance that is not positive, an unknown method.
+  /// Torques are in the axes of body.named_from_principal, as Torques says. Throws InputError for what checked()
+  /// refuses, a span without 0, a tolerance that is not positive and finite, an unknown method.
   TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options);
 
-  /// Throws InputError for a time beyond what was propagated by more than end_room_s().
+  /// Throws InputError for a time beyond what was propagated by more than end_room_s(); NaN gives NaN.
   FreeState at(double t_high_s, double t_low_s = 0.0) const override;
 
   Outcome outcome() const { return outcome_; }

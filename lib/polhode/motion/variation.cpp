@@ -1,5 +1,7 @@
 #include "polhode/motion/variation.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,6 +9,7 @@
 #include <numbers>
 #include <string_view>
 
+#include "polhode/base/error.hpp"
 #include "polhode/motion/variation/orbits.hpp"
 
 namespace polhode {
@@ -111,7 +114,7 @@ Variation::Epoch::Epoch(double t_s, const FreeBody& start, ThetaMotion::Span spa
       mean_of_inverse_moments(
           polhode::mean_of_inverse_moments(start.momentum_body.cast<long double>(), start.principal_moments)),
       distance(distance_of(start.principal_moments.cwiseInverse(), start.momentum_body)),
-      free(start, span) {
+      free(ThetaMotion::Unchecked{}, start, span) {
   const Vector3 &moments = start.principal_moments, b = moments.cwiseInverse();
   const Vector3 along = momentum.cast<double>().normalized(), m = start.momentum_body.normalized();
   const Vector3 d = less_mean(b, m);
@@ -510,7 +513,9 @@ Variation::Variation(const FreeBody& start, double start_s, double end_s, const 
                      std::size_t max_torque_evaluations)
     : Variation(start.principal_moments,
                 {start.q_inertial_from_body.cast<long double>(), start.momentum_body.cast<long double>()}, start_s,
-                end_s, torques, tolerance, max_torque_evaluations) {}
+                end_s, torques.in_principal_axes(start.named_from_principal), tolerance, max_torque_evaluations) {
+  checked(start);
+}
 
 Variation::Variation(const Vector3& principal_moments, const ExtendedState& start, double start_s, double end_s,
                      const Torques& torques, double tolerance, std::size_t max_torque_evaluations)
@@ -521,6 +526,10 @@ Variation::Variation(const Vector3& principal_moments, const ExtendedState& star
       moments_(principal_moments),
       start_s_(start_s),
       start_{start.q_inertial_from_body.normalized().cast<double>(), start.momentum_body.cast<double>()} {
+  check_principal_moments(principal_moments);
+  check_finite("the start of the variation", start_s);
+  check_finite("the end of the variation", end_s);
+  if (!(tolerance > 0.0)) throw InputError(fmt::format("the tolerance is {}, a positive one is wanted", tolerance));
   whole_ = start_s == end_s;
   if (whole_ || !(start.momentum_body.norm() > 0.0L) || pulls_.size() > Torques::kMostTrajectories) return;
   const double span_s = std::abs(end_s - start_s);

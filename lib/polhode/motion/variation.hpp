@@ -31,9 +31,12 @@ class Variation {
  public:
   /// From `start` at start_s to end_s, either direction. `tolerance` is the wanted error in radians, between the points
   /// and at the end alike; unless errors grow by more than time does, what comes out is a hundredth to a third of it.
-  /// `torques` must not jump in between.
+  /// `torques`, in principal axes (Torques::in_principal_axes), must not jump in between. Throws InputError for
+  /// impossible moments, times that are not finite, and a tolerance that is not positive; a start that is not finite is
+  /// not whole.
   Variation(const FreeBody& start, double start_s, double end_s, const Torques& torques, double tolerance,
             std::size_t max_torque_evaluations);
+  /// The same, with torques in principal axes.
   Variation(const Vector3& principal_moments, const ExtendedState& start, double start_s, double end_s,
             const Torques& torques, double tolerance, std::size_t max_torque_evaluations);
 

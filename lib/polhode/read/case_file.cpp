@@ -101,6 +101,16 @@ Torque torque(std::vector<std::string_view> words, const SourceLocation& where) 
   throw InputError(where, fmt::format("found unknown torque '{:.40}', allowed are {}", kind, kinds));
 }
 
+Torque checked_torque(const std::vector<std::string_view>& words, const SourceLocation& where) {
+  const Torque one = torque(words, where);
+  try {
+    Torques({one});
+  } catch (const InputError& problem) {
+    throw InputError(where, problem.what());
+  }
+  return one;
+}
+
 Quaternion attitude(const std::array<double, 4>& q, const SourceLocation& where) {
   if (q == std::array<double, 4>{}) throw InputError(where, "found q = 0 0 0 0, any other quaternion is allowed");
   return from_scalar_first({q[0], q[1], q[2], q[3]});
@@ -134,7 +144,7 @@ CaseFile parse_case_file(std::string_view text, const std::string& path) {
     } else if (key == "t") {
       result.times_s.push_back(case_numbers<1>(words, where)[0]);
     } else if (key == "T") {
-      torques.push_back(torque(words, where));
+      torques.push_back(checked_torque(words, where));
     } else {
       throw InputError(where, fmt::format("found unknown key '{:.40}', allowed lines are {}", key, kLayout));
     }

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "polhode/base/error.hpp"
+#include "polhode/body/invariants.hpp"
 #include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/ccsds_tree.hpp"
@@ -93,10 +94,25 @@ void need_absolute(const TomlTable& table, const Inertia& inertia) {
   }
 }
 
+/// Where the body's centre of mass is in the axes of the mesh, by what the scene says: the light's torque is about it,
+/// and a mesh alone does not know.
+Vector3 centre_of_mass(const TomlTable& table, const TriangleMesh& mesh) {
+  constexpr std::string_view choices =
+      "'mesh origin' (the mesh's coordinates count from the centre of mass) or 'mesh centroid' (the mesh is moved to "
+      "where the centre of mass of a solid of one density is)";
+  if (!table.has("centre_of_mass")) {
+    throw table.error("centre_of_mass", fmt::format("this key is missing; it says {}", choices));
+  }
+  const std::string choice = table.text("centre_of_mass");
+  const MassProperties solid = mass_properties(mesh);  // refuses a mesh that is open or inside out
+  if (choice == "mesh origin") return Vector3::Zero();
+  if (choice == "mesh centroid") return solid.centre_of_mass;
+  throw table.error("centre_of_mass", fmt::format("found '{:.40}'; allowed: {}", choice, choices));
+}
+
 Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbits, const std::filesystem::path& folder,
                    const ContentOf& content_of) {
   const Inertia& inertia = *body.inertia;
-  const Matrix3 principal_from_named = inertia.named_from_principal.transpose();
   const std::string kind = table.text("kind");
   if (kind == "gravity gradient") {
     table.allow_only({"kind", "orbit"});
@@ -109,7 +125,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     const std::string axes = table.text("axes");
     if (axes == "frame") return ConstantTorque{table.vector3("torque_n_m"), ConstantTorque::Axes::inertial};
     if (axes != "body") throw table.error("axes", fmt::format("found '{}'; allowed: 'body' or 'frame'", axes));
-    return ConstantTorque{principal_from_named * table.vector3("torque_n_m"), ConstantTorque::Axes::body};
+    return ConstantTorque{table.vector3("torque_n_m"), ConstantTorque::Axes::body};
   }
   if (kind == "thruster pulse") {
     table.allow_only({"kind", "torque_n_m", "start_s", "duration_s"});
@@ -117,7 +133,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     const double duration_s = table.number("duration_s");
     if (!(duration_s > 0.0))
       throw table.error("duration_s", fmt::format("found {}, a positive number is wanted", duration_s));
-    return ThrusterPulse{table.number("start_s"), duration_s, principal_from_named * table.vector3("torque_n_m")};
+    return ThrusterPulse{table.number("start_s"), duration_s, table.vector3("torque_n_m")};
   }
   if (kind == "linear damping") {
     table.allow_only({"kind", "coefficient_n_m_s"});
@@ -129,8 +145,8 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     need_absolute(table, inertia);
     const Vector3 axis = table.vector3("dipole_axis");
     if (!(axis.norm() > 0.0)) throw table.error("dipole_axis", "found the zero vector, a direction is wanted");
-    return EddyCurrents{principal_from_named * table.matrix3("magnetic_tensor_s_m4") * inertia.named_from_principal,
-                        axis.normalized(), table.number("dipole_t_m3"), orbit_of(table, orbits).trajectory};
+    return EddyCurrents{table.matrix3("magnetic_tensor_s_m4"), axis.normalized(), table.number("dipole_t_m3"),
+                        orbit_of(table, orbits).trajectory};
   }
   if (kind == "internal dissipation") {
     table.allow_only({"kind", "quality_factor"});
@@ -139,20 +155,19 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     if (!(quality > 0.0))
       throw table.error("quality_factor", fmt::format("found {}, a positive number is wanted", quality));
     if (!(I[0] < I[2])) throw table.error("kind", "a sphere has no energy to lose at constant momentum");
-    const Vector3 omega = principal_from_named * *body.state->omega_named_rad_s;
-    const double momentum = I.cwiseProduct(omega).norm();
+    const double momentum = momentum_principal(body).norm();
     if (!(momentum > 0.0)) throw table.error("kind", "a body at rest has no energy to lose");
     return InternalDissipation::from_quality_factor(quality, I, momentum);
   }
   if (kind == "sunlight") {
-    table.allow_only({"kind", "mesh", "unit_m", "specular", "diffuse", "orbit"});
+    table.allow_only({"kind", "mesh", "unit_m", "centre_of_mass", "specular", "diffuse", "orbit"});
     need_absolute(table, inertia);
     const std::string path = (folder / table.text("mesh")).string();
     TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(path); }), path);
     const double unit_m = table.number("unit_m");
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
-    const Vector3 centre = mass_properties(mesh).centre_of_mass;
-    for (Vector3& vertex : mesh.vertices) vertex = principal_from_named * (unit_m * (vertex - centre));
+    const Vector3 centre = centre_of_mass(table, mesh);
+    for (Vector3& vertex : mesh.vertices) vertex = unit_m * (vertex - centre);
     return table.located("specular", [&] {
       return Sunlight(mesh, {table.number("specular"), table.number("diffuse")}, orbit_of(table, orbits).trajectory);
     });
@@ -223,7 +238,9 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   const Orbits orbits = read_orbits(root, scene, folder, content_of);
   std::vector<Torque> torques;
   for (const TomlTable& table : root.tables("torque")) {
-    torques.push_back(read_torque(table, scene.body, orbits, folder, content_of));
+    const Torque torque = read_torque(table, scene.body, orbits, folder, content_of);
+    table.located("kind", [&] { return Torques({torque}); });  // refuses what the torque's description excludes
+    torques.push_back(torque);
     std::string name(torque_name(torques.back()));
     if (table.has("orbit")) name += ", " + table.text("orbit");
     scene.torque_names.push_back(std::move(name));

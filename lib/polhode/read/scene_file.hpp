@@ -19,7 +19,7 @@ struct Scene {
   std::string source;
   Body body;
   Frame frame = Frame::icrf;              ///< inertial; of the directions of orbits and torques, and of the result
-  Torques torques;                        ///< in the principal axes; seconds from the body's epoch
+  Torques torques;                        ///< in the axes that the body's file names; seconds from its epoch
   std::vector<std::string> torque_names;  ///< of each, its orbit's name included: "gravity gradient, earth"
   double first_s = 0.0, last_s = 0.0;     ///< from the body's epoch
   double accuracy_rad = 0.0;              ///< wanted of the attitude

@@ -27,7 +27,8 @@ double evaluations_of_an_answer(std::string_view method, const TorquedSubject& s
     if (scheme.name == method) return static_cast<double>(scheme.kicks);
   }
   if (!method.starts_with("extrapolation")) return 0.0;
-  const Torques torques = subject.torques.during(0.5 * subject.span_s);
+  const Torques torques =
+      subject.torques.in_principal_axes(subject.body.named_from_principal).during(0.5 * subject.span_s);
   Extrapolation<long double> extrapolation(subject.body.principal_moments, torques);
   extrapolation.step(0.0L, {}, 1.0L);
   return static_cast<double>(extrapolation.torque_evaluations());

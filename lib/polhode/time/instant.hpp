@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "polhode/base/error.hpp"
+
 namespace polhode {
 
 /// A span of time in SI seconds (as TT counts them), as an unevaluated sum of two doubles.
@@ -37,7 +39,7 @@ inline Seconds operator-(Seconds a, Seconds b) { return a + -b; }
 
 /// One instant, without a time scale: internally TT seconds from J2000 (2000-01-01T12:00:00 TT) in two parts, good to
 /// far less than a nanosecond over all of history. Scales appear only where text or numbers come in or go out
-/// (time/scale.hpp).
+/// (time/scale.hpp). Always finite: InputError for what would not be.
 class Instant {
  public:
   Instant() = default;
@@ -55,7 +57,11 @@ class Instant {
   }
 
  private:
-  explicit Instant(Seconds since) : since_(since) {}
+  explicit Instant(Seconds since) : since_(since) {
+    if (!std::isfinite(since.high) || !std::isfinite(since.low)) {
+      throw InputError("a time that is not finite is no instant");
+    }
+  }
 
   Seconds since_;
 };

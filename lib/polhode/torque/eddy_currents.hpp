@@ -12,11 +12,20 @@ namespace polhode {
 /// (Praly et al. 2012, Acta Astronautica 76; Ortiz Gomez & Walker 2015, Advances in Space Research 56, 494.) M, the
 /// magnetic tensor, is in S m^4 = N m s / T^2: it is a conductivity times a length to the fifth.
 struct EddyCurrents {
-  Matrix3 magnetic_tensor_s_m4;  ///< symmetric, principal axes
+  static constexpr std::string_view name = "eddy currents";
+
+  Matrix3 magnetic_tensor_s_m4;  ///< symmetric, body axes
   Vector3 dipole_axis;    ///< unit, inertial, along the magnetic moment: southward for the Earth, since the field
                           ///< at its equator points north
-  double dipole_t_m3;     ///< field on the dipole's equator times the distance cubed; Earth 7.8e15
+  double dipole_t_m3;     ///< field on the dipole's equator times the distance cubed, 0 or more; Earth 7.8e15
   Trajectory trajectory;  ///< of the body, from the dipole
+
+  /// Throws InputError for a tensor that is not symmetric (within 1e-9 of its size), an axis that is not of length 1
+  /// (likewise), a dipole that is negative, or a number that is not finite.
+  void check() const;
+  EddyCurrents turned(const Matrix3& to_from) const {
+    return {to_from * magnetic_tensor_s_m4 * to_from.transpose(), dipole_axis, dipole_t_m3, trajectory};
+  }
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {

@@ -10,10 +10,15 @@ namespace polhode {
 ///
 /// The field's next terms are smaller by (size of the body)/r.
 struct GravityGradient {
-  double mu_m3_s2;        ///< G times the mass
+  static constexpr std::string_view name = "gravity gradient";
+
+  double mu_m3_s2;        ///< G times the mass, positive
   Trajectory trajectory;  ///< of the body, from that mass
 
   GravityGradient(double mu, Trajectory way) : mu_m3_s2(mu), trajectory(std::move(way)) {}
+
+  void check() const;
+  const GravityGradient& turned(const Matrix3&) const { return *this; }
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>& I, TorqueTerms<Real>& terms) const {

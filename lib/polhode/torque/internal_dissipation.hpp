@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cmath>
-
 #include "polhode/torque/terms.hpp"
 
 namespace polhode {
@@ -14,16 +12,18 @@ namespace polhode {
 /// The momentum in space stays as it is because the principal axes move with omega + k m x omega: they slip a little
 /// relative to a body turning at omega, which is what a body that is not quite rigid does.
 struct InternalDissipation {
+  static constexpr std::string_view name = "internal dissipation";
+
   double relaxation;  ///< k, 1/(unit of momentum): k |m| is a number, the slip per radian turned; 0 or more
 
   /// From a quality factor: the energy above that of short-axis rotation decays by 2 pi/Q of itself per turn at the
   /// rate |m|/I3 (the definition of Burns & Safronov 1973, MNRAS 165, 403, with their shape and amplitude factors left
-  /// out: Q is that of the wobble, not of the material).
-  static InternalDissipation from_quality_factor(double quality_factor, const Vector3& moments, double momentum) {
-    // Near the short axis the energy above it decays at the rate 2 k G^2 (1/I - 1/I3), with 1/I the mean of the others.
-    const double spread = 0.5 * (1.0 / moments[0] + 1.0 / moments[1]) - 1.0 / moments[2];
-    return {1.0 / (quality_factor * moments[2] * 2.0 * momentum * spread)};
-  }
+  /// out: Q is that of the wobble, not of the material). Throws InputError unless Q and the momentum are positive and
+  /// the moments those of a body that is no sphere.
+  static InternalDissipation from_quality_factor(double quality_factor, const Vector3& moments, double momentum);
+
+  void check() const;
+  const InternalDissipation& turned(const Matrix3&) const { return *this; }
 
   template <class Real>
   void add(const TorquePlace<Real>&, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {

@@ -59,6 +59,9 @@ KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
   if (!(elements.eccentricity >= 0.0) || !std::isfinite(elements.eccentricity)) {
     throw InputError(fmt::format("the eccentricity is {}, 0 or more is wanted", elements.eccentricity));
   }
+  check_finite("the time of periapsis", elements.periapsis_time_s);
+  check_finite("a component of the direction of periapsis", elements.to_periapsis);
+  check_finite("a component of the orbit normal", elements.along_normal);
   using Extended = long double;
   Constants<Extended>& c = extended_;
   const Extended mu = elements.mu_m3_s2, q = elements.periapsis_m, e = elements.eccentricity;
@@ -70,7 +73,7 @@ KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
   c.x = elements.to_periapsis.cast<Extended>().normalized();
   Vector3Of<Extended> normal = elements.along_normal.cast<Extended>().normalized();
   normal -= c.x.dot(normal) * c.x;
-  if (!(normal.norm() > 1e-9L)) {
+  if (!(normal.norm() > 1e-9L && c.x.norm() > 0.5L)) {
     throw InputError("the direction of periapsis and the orbit normal are parallel or zero, two directions are wanted");
   }
   normal -= c.x.dot(normal) * c.x;  // once more: the first leaves the rounding of a nearly parallel pair
@@ -83,6 +86,13 @@ KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
             c.x.cast<double>(),
             c.y.cast<double>()};
   period_rounding_s_ = static_cast<double>(c.period_s - plain_.period_s);
+  const OrbitState<double> closest = state(plain_.time_s);
+  if (!(closest.position_m.norm() > 0.0 && closest.velocity_m_s.norm() > 0.0 &&
+        std::isfinite(closest.position_m.squaredNorm() + closest.velocity_m_s.squaredNorm()))) {
+    throw InputError(
+        fmt::format("mu {} m3/s2, periapsis {} m and eccentricity {} are no orbit that double precision holds",
+                    elements.mu_m3_s2, elements.periapsis_m, elements.eccentricity));
+  }
 }
 
 template <class Real>

@@ -9,7 +9,7 @@ struct KeplerElements {
   double mu_m3_s2 = 0.0;                    ///< positive
   double periapsis_m = 0.0;                 ///< distance, positive
   double eccentricity = 0.0;                ///< 0 or more
-  double periapsis_time_s = 0.0;            ///< on the body's clock
+  double periapsis_time_s = 0.0;            ///< on the body's clock, finite
   Vector3 to_periapsis = Vector3::UnitX();  ///< inertial, any length but 0
   Vector3 along_normal = Vector3::UnitZ();  ///< inertial, made orthogonal to the other; the body moves along
                                             ///< normal x periapsis at periapsis
@@ -26,7 +26,7 @@ class KeplerOrbit {
   /// Throws InputError for elements out of range.
   explicit KeplerOrbit(const KeplerElements& elements);
 
-  /// Of the body, from the point mass.
+  /// Of the body, from the point mass. NaN where t is not finite.
   template <class Real>
   OrbitState<Real> state(Real t_s) const;
 

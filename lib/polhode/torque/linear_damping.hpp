@@ -4,13 +4,25 @@
 
 namespace polhode {
 
-/// torque_i = -d_i omega_i in the principal axes: a viscous medium, the simplest model of loss.
+/// torque = -D omega, or torque_i = -d_i omega_i: a viscous medium, the simplest model of loss.
 struct LinearDamping {
-  Vector3 coefficients;  ///< N m s, or unit of inertia / s
+  static constexpr std::string_view name = "linear damping";
+
+  Matrix3 coefficients;  ///< D in body axes, finite; N m s, or unit of inertia / s
+
+  /// From the d_i along the body axes.
+  explicit LinearDamping(const Vector3& along_axes) : coefficients(along_axes.asDiagonal()) {}
+
+  void check() const { check_finite("the coefficient", coefficients); }
+  LinearDamping turned(const Matrix3& to_from) const {
+    LinearDamping other = *this;
+    other.coefficients = to_from * coefficients * to_from.transpose();
+    return other;
+  }
 
   template <class Real>
   void add(const TorquePlace<Real>&, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
-    terms.damping.diagonal() += coefficients.cast<Real>();
+    terms.damping += coefficients.cast<Real>();
     terms.depends_on_rate = true;
   }
 };

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "polhode/base/error.hpp"
 
 namespace polhode {
@@ -20,14 +22,30 @@ Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
         fmt::format("the surface reflects {} specular and {} diffuse, shares from 0 to 1 together are wanted",
                     surface.specular, surface.diffuse));
   }
+  if (mesh.facets.empty()) throw InputError("the mesh has no facets");
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (!mesh.vertices[i].allFinite()) throw InputError(fmt::format("corner {} of the mesh is not finite", i + 1));
+  }
   std::vector<Facet> facets;
   facets.reserve(mesh.facets.size());
   for (const auto& corners : mesh.facets) {
+    if (std::max({corners[0], corners[1], corners[2]}) >= mesh.vertices.size()) {
+      throw InputError(fmt::format("facet {} has the corners {}, {}, {}, the mesh has {} (counted from 0)",
+                                   facets.size() + 1, corners[0], corners[1], corners[2], mesh.vertices.size()));
+    }
     const Vector3 &a = mesh.vertices[corners[0]], &b = mesh.vertices[corners[1]], &c = mesh.vertices[corners[2]];
     facets.push_back({0.5 * (b - a).cross(c - a), (a + b + c) / 3.0});
     largest_moment_m3_ += facets.back().area_m2.norm() * facets.back().centre_m.norm();
   }
   facets_ = std::make_shared<const std::vector<Facet>>(std::move(facets));
+}
+
+Sunlight Sunlight::turned(const Matrix3& to_from) const {
+  std::vector<Facet> facets = *facets_;
+  for (Facet& facet : facets) facet = {to_from * facet.area_m2, to_from * facet.centre_m};
+  Sunlight other = *this;
+  other.facets_ = std::make_shared<const std::vector<Facet>>(std::move(facets));
+  return other;
 }
 
 Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {

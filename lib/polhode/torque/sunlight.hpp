@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string_view>
 #include <vector>
 
 #include "polhode/body/mesh_inertia.hpp"
@@ -17,13 +18,16 @@ namespace polhode {
 /// Facets do not shade each other, and there is no eclipse: for a body with deep hollows this is an estimate.
 class Sunlight {
  public:
+  static constexpr std::string_view name = "sunlight";
+
   struct Surface {
     double specular = 0.0;  ///< share of the light mirrored
     double diffuse = 1.0;   ///< share scattered or sent out as heat from the same facet (Lambert's law)
   };
 
-  /// `mesh` in metres, about the centre of mass, in the principal axes; `way` of the body from the Sun. Throws
-  /// InputError for shares outside 0 to 1 or above 1 together.
+  /// `mesh` in metres, its origin the body's centre of mass, in body axes; `way` of the body from the Sun. Throws
+  /// InputError for shares outside 0 to 1 or above 1 together, a mesh without facets, a corner that is not finite, an
+  /// index without corner.
   Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way);
 
   template <class Real>
@@ -32,7 +36,10 @@ class Sunlight {
     terms.constant += torque(sun).cast<Real>();
   }
 
-  /// N m, in body axes; `to_sun_body_m` is the vector from the body to the Sun.
+  void check() const {}  // nothing is left for it: see the constructor
+  Sunlight turned(const Matrix3& to_from) const;
+
+  /// N m, in the axes of the facets; `to_sun_body_m` is the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const;
 
   /// N m: no attitude feels more at time t.

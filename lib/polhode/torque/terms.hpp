@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "polhode/base/geometry.hpp"
 
 namespace polhode {
@@ -15,7 +17,9 @@ using Matrix3Of = Eigen::Matrix<Real, 3, 3>;
 ///     m' = m x omega + constant - damping omega + relaxation m x (m x omega)
 ///     q' = q (0, omega + relaxation m x omega) / 2
 ///
-/// Each torque adds its part. A splitting method solves the part beside the free motion from these numbers.
+/// Each torque adds its part. A splitting method solves the part beside the free motion from these numbers. Units are
+/// those of the body: constant in (unit of inertia)/s^2 (N m where that is kg m2), damping in (unit of inertia)/s,
+/// relaxation in s/(unit of inertia).
 template <class Real>
 struct TorqueTerms {
   Vector3Of<Real> constant = Vector3Of<Real>::Zero();
@@ -35,8 +39,8 @@ struct OrbitState {
   Vector3Of<Real> position_m, velocity_m_s;
 };
 
-/// Where a torque is asked for: the rotation v_inertial = R v_body, and the body's place on the torque's trajectory
-/// (null for one that has none).
+/// Where a torque is asked for: the rotation v_inertial = R v_principal, and the body's place on the torque's
+/// trajectory (null for a torque that has none).
 template <class Real>
 struct TorquePlace {
   Matrix3Of<Real> inertial_from_body;
@@ -46,5 +50,9 @@ struct TorquePlace {
     return inertial_from_body.transpose() * v_inertial;
   }
 };
+
+/// Throws InputError "`what` is …, a finite one is wanted" if an element is NaN or infinite.
+void check_finite(std::string_view what, const Eigen::Ref<const Eigen::MatrixXd>& values);
+void check_finite(std::string_view what, double value);
 
 }  // namespace polhode

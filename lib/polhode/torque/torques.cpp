@@ -3,24 +3,91 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <limits>
 
 #include "polhode/base/error.hpp"
+#include "polhode/body/inertia.hpp"
 
 namespace polhode {
 
-std::string_view torque_name(const Torque& torque) {
-  constexpr std::array<std::string_view, std::variant_size_v<Torque>> names{
-      "gravity gradient", "constant torque",      "thruster pulse", "linear damping",
-      "eddy currents",    "internal dissipation", "sunlight"};
-  return names[torque.index()];
+namespace {
+
+void check_positive(std::string_view what, double value) {
+  if (!(value > 0.0 && std::isfinite(value))) {
+    throw InputError(fmt::format("{} is {}, a positive number is wanted", what, value));
+  }
 }
 
-Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), orbit_of_torque_(torques_.size(), 0) {
+}  // namespace
+
+void check_finite(std::string_view what, const Eigen::Ref<const Eigen::MatrixXd>& values) {
+  for (Eigen::Index k = 0; k < values.size(); ++k) check_finite(what, values.reshaped()[k]);
+}
+
+void check_finite(std::string_view what, double value) {
+  if (!std::isfinite(value)) throw InputError(fmt::format("{} is {}, a finite number is wanted", what, value));
+}
+
+void GravityGradient::check() const { check_positive("mu", mu_m3_s2); }
+
+void ThrusterPulse::check() const {
+  check_finite("the start of the pulse", start_s);
+  check_positive("the duration of the pulse", duration_s);
+  check_finite("the torque", torque_body);
+  if (!(start_s < end_s() && std::isfinite(end_s()))) {
+    throw InputError(fmt::format("a pulse of {} s that starts at {} s ends at {} s, a later finite time is wanted",
+                                 duration_s, start_s, end_s()));
+  }
+}
+
+void EddyCurrents::check() const {
+  const Matrix3& tensor = magnetic_tensor_s_m4;
+  check_finite("an element of the magnetic tensor", tensor);
+  if (!((tensor - tensor.transpose()).cwiseAbs().maxCoeff() <= 1e-9 * tensor.cwiseAbs().maxCoeff())) {
+    throw InputError(
+        fmt::format("the magnetic tensor is not symmetric: {} and {}, {} and {}, {} and {} should be equal",
+                    tensor(0, 1), tensor(1, 0), tensor(0, 2), tensor(2, 0), tensor(1, 2), tensor(2, 1)));
+  }
+  check_finite("the axis of the dipole", dipole_axis);
+  if (!(std::abs(dipole_axis.norm() - 1.0) <= 1e-9)) {
+    throw InputError(fmt::format("the axis of the dipole has the length {}, 1 is wanted", dipole_axis.norm()));
+  }
+  if (!(dipole_t_m3 >= 0.0 && std::isfinite(dipole_t_m3))) {
+    throw InputError(fmt::format("the dipole is {} T m3, 0 or more is wanted", dipole_t_m3));
+  }
+}
+
+InternalDissipation InternalDissipation::from_quality_factor(double quality_factor, const Vector3& moments,
+                                                             double momentum) {
+  check_positive("the quality factor", quality_factor);
+  check_positive("the momentum", momentum);
+  check_principal_moments(moments);
+  // Near the short axis the energy above it decays at the rate 2 k G^2 (1/I - 1/I3), with 1/I the mean of the others.
+  const double spread = 0.5 * (1.0 / moments[0] + 1.0 / moments[1]) - 1.0 / moments[2];
+  if (!(spread > 0.0)) throw InputError("a sphere has no energy to lose at constant momentum");
+  return {1.0 / (quality_factor * moments[2] * 2.0 * momentum * spread)};
+}
+
+void InternalDissipation::check() const {
+  if (!(relaxation >= 0.0 && std::isfinite(relaxation))) {
+    throw InputError(fmt::format("the relaxation is {}, 0 or more is wanted", relaxation));
+  }
+}
+
+std::string_view torque_name(const Torque& torque) {
+  return std::visit([](const auto& one) { return std::string_view(one.name); }, torque);
+}
+
+Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), orbit_of_torque_(torques_.size(), kNone) {
   for (std::size_t i = 0; i < torques_.size(); ++i) {
     std::visit(
         [&](const auto& one) {
+          try {
+            one.check();
+          } catch (const InputError& problem) {
+            throw InputError(fmt::format("{}: {}", one.name, problem.what()));
+          }
           if constexpr (requires { one.trajectory; }) {
             const auto known = std::find(trajectories_.begin(), trajectories_.end(), one.trajectory);
             orbit_of_torque_[i] = static_cast<std::size_t>(known - trajectories_.begin());
@@ -33,6 +100,17 @@ Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), or
     throw InputError(fmt::format("the torques have {} different trajectories, at most {} are allowed",
                                  trajectories_.size(), kMostTrajectories));
   }
+}
+
+Torques Torques::in_principal_axes(const Matrix3& named_from_principal) const {
+  if (named_from_principal.isIdentity(0.0)) return *this;
+  check_principal_axes(named_from_principal);
+  const Matrix3 principal_from_named = named_from_principal.transpose();
+  Torques turned = *this;
+  for (Torque& torque : turned.torques_) {
+    torque = std::visit([&](const auto& one) { return Torque(one.turned(principal_from_named)); }, torque);
+  }
+  return turned;
 }
 
 double Torques::time_scale_s(double t_s) const {
@@ -100,6 +178,7 @@ std::vector<double> Torques::jumps_s() const {
 }
 
 Torques Torques::during(double inside_s) const {
+  check_finite("the time between two jumps", inside_s);
   std::vector<Torque> on;
   for (const Torque& torque : torques_) {
     const auto* pulse = std::get_if<ThrusterPulse>(&torque);

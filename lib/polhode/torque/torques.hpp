@@ -16,18 +16,28 @@
 
 namespace polhode {
 
+/// Each has, besides what it does: `name`; check(), which throws InputError for what its description excludes (Torques
+/// calls it); and turned(to_from), the same torque in other body axes, v_to = R v_from.
 using Torque = std::variant<GravityGradient, ConstantTorque, ThrusterPulse, LinearDamping, EddyCurrents,
                             InternalDissipation, Sunlight>;
 
 /// "gravity gradient", "sunlight" …
 std::string_view torque_name(const Torque& torque);
 
-/// All torques on one body; they add up.
+/// All torques on one body; they add up. "Body axes" of a torque are the axes that the body's inertia is named in
+/// (Inertia::named_from_principal, FreeBody::named_from_principal): motions and plans turn the torques to the principal
+/// axes themselves. Where those are the same, as in a FreeBody that says nothing else, body axes are the principal
+/// ones.
 class Torques {
  public:
   Torques() = default;
-  /// Throws InputError for more than kMostTrajectories different ones.
+  /// Throws InputError, with the torque's name, for one that its description excludes; and for more than
+  /// kMostTrajectories different trajectories.
   explicit Torques(std::vector<Torque> torques);
+
+  /// The same torques with the principal axes for body axes, as at() wants them. For a body whose axes are the same,
+  /// bit for bit what they were. Throws InputError for a matrix that is no rotation.
+  Torques in_principal_axes(const Matrix3& named_from_principal) const;
 
   /// Whatever the attitude: the body's place on each trajectory at one time (seconds on the body's clock).
   static constexpr std::size_t kMostTrajectories = 8;
@@ -35,20 +45,20 @@ class Torques {
   using Surroundings = std::array<OrbitState<Real>, kMostTrajectories>;
   template <class Real>
   Surroundings<Real> surroundings(Real t_s) const {
-    Surroundings<Real> orbits;
+    Surroundings<Real> orbits;  // as many as there are trajectories count
     for (std::size_t i = 0; i < trajectories_.size(); ++i) orbits[i] = trajectories_[i].state(t_s);
     return orbits;
   }
 
-  /// The sum in these surroundings at an attitude (v_inertial = R v_body), for a body of these principal moments.
-  /// Thruster pulses are left out: see during().
+  /// The sum in these surroundings at an attitude (v_inertial = R v_principal), for a body of these principal moments;
+  /// of torques in principal axes. Thruster pulses are left out: see during().
   template <class Real>
   TorqueTerms<Real> at(const Surroundings<Real>& surroundings, const Matrix3Of<Real>& inertial_from_body,
                        const Vector3Of<Real>& moments) const {
     TorquePlace<Real> place{inertial_from_body};
     TorqueTerms<Real> terms;
     for (std::size_t i = 0; i < torques_.size(); ++i) {
-      place.orbit = &surroundings[orbit_of_torque_[i]];
+      place.orbit = orbit_of_torque_[i] == kNone ? nullptr : &surroundings[orbit_of_torque_[i]];
       std::visit(
           [&](const auto& one) {
             if constexpr (!std::is_same_v<std::decay_t<decltype(one)>, ThrusterPulse>) one.add(place, moments, terms);
@@ -57,7 +67,7 @@ class Torques {
     }
     return terms;
   }
-  /// The same at time t and attitude q (unit; v_inertial = q v_body q*).
+  /// The same at time t and attitude q (unit; v_inertial = q v_principal q*).
   template <class Real>
   TorqueTerms<Real> at(Real t_s, const Eigen::Quaternion<Real>& q, const Vector3Of<Real>& moments) const {
     return at(surroundings(t_s), Matrix3Of<Real>(q.toRotationMatrix()), moments);
@@ -97,7 +107,8 @@ class Torques {
  private:
   std::vector<Torque> torques_;
   std::vector<Trajectory> trajectories_;
-  std::vector<std::size_t> orbit_of_torque_;  // 0 for a torque without one
+  static constexpr auto kNone = static_cast<std::size_t>(-1);
+  std::vector<std::size_t> orbit_of_torque_;  // its trajectory, or kNone
 };
 
 }  // namespace polhode

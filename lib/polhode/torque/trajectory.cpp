@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "polhode/base/error.hpp"
 
@@ -28,6 +29,15 @@ void check(const OrbitTable& table) {
         "{} at least are wanted for degree {}",
         count, table.positions_m.size(), table.velocities_m_s.size(), std::max<std::size_t>(points(table), 2),
         table.degree));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vector3 velocity = table.velocities_m_s.empty() ? Vector3::Zero() : table.velocities_m_s[i];
+    if (!std::isfinite(table.times_s[i]) || !table.positions_m[i].allFinite() || !velocity.allFinite()) {
+      throw InputError(fmt::format("row {} of the trajectory holds a number that is not finite", i + 1));
+    }
+    if (!(table.positions_m[i].norm() > 0.0)) {
+      throw InputError(fmt::format("row {} of the trajectory is where the mass is; another place is wanted", i + 1));
+    }
   }
   if (std::adjacent_find(table.times_s.begin(), table.times_s.end(), [](double a, double b) { return !(a < b); }) !=
       table.times_s.end()) {

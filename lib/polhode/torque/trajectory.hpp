@@ -11,9 +11,9 @@ namespace polhode {
 
 /// Part of a trajectory that may be interpolated as one.
 struct OrbitTable {
-  std::vector<double> times_s;          ///< ascending, on the body's clock
-  std::vector<Vector3> positions_m;     ///< inertial, as many
-  std::vector<Vector3> velocities_m_s;  ///< as many, or none
+  std::vector<double> times_s;          ///< ascending, finite, on the body's clock
+  std::vector<Vector3> positions_m;     ///< inertial, as many, finite and not 0
+  std::vector<Vector3> velocities_m_s;  ///< as many, finite, or none
   int degree = 0;                       ///< of the interpolation, 1 to 15
   /// The rows beyond serve interpolation alone; empty: none are beyond.
   std::optional<double> useable_from_s, useable_to_s;
@@ -29,11 +29,11 @@ struct OrbitTable {
 /// where two overlap, the later counts.
 class TabulatedOrbit {
  public:
-  /// Throws InputError unless the times of each table increase strictly, there are as many positions, enough of them
-  /// for the degree, and the tables follow each other without a gap.
+  /// Throws InputError unless the tables are as OrbitTable says, the times of each increase strictly, there are enough
+  /// rows for the degree, and the tables follow each other without a gap.
   explicit TabulatedOrbit(std::vector<OrbitTable> tables);
 
-  /// Throws InputError outside the tables.
+  /// Throws InputError outside the tables, and for NaN.
   template <class Real>
   OrbitState<Real> state(Real t_s) const;
 

@@ -1,10 +1,15 @@
 #include "polhode/motion/rivals/integrated_motion.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <string_view>
+#include <utility>
 #include <vector>
+
+#include "polhode/base/error.hpp"
 
 namespace polhode::rivals {
 
@@ -14,6 +19,16 @@ constexpr double default_tolerance = 1e-10;
 }  // namespace
 
 IntegratedMotion::IntegratedMotion(const FreeBody& body, const StepControl& control, Run run) : run_(run) {
+  checked(body);
+  const auto wanted = [](std::string_view what, double value) {  // 0 leaves it to the method
+    if (!(value >= 0.0 && std::isfinite(value))) {
+      throw InputError(fmt::format("{} is {}, a positive number is wanted, or 0 for the usual", what, value));
+    }
+  };
+  wanted("the step", control.step_s);
+  wanted("the tolerance", control.tolerance);
+  wanted("the step of the free motion", control.free_step_s);
+  wanted("the limit of evaluations", static_cast<double>(control.max_evaluations));
   momentum_ = body.momentum_body.stableNorm();
   time_unit_ = body.principal_moments[1] / momentum_;
   const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body).stableNormalized();
@@ -34,7 +49,13 @@ IntegratedMotion::IntegratedMotion(const FreeBody& body, const Torques& torques,
                                    const SplittingScheme* scheme)
     : IntegratedMotion(body, control, run) {
   const double free_step = control.free_step_s > 0.0 ? control.free_step_s / time_unit_ : HUGE_VAL;
-  forcing_ = Forcing{torques, body.principal_moments, momentum_, time_unit_, 0.0, scheme, free_step};
+  forcing_ = Forcing{torques.in_principal_axes(body.named_from_principal),
+                     body.principal_moments,
+                     momentum_,
+                     time_unit_,
+                     0.0,
+                     scheme,
+                     free_step};
 }
 
 FreeState IntegratedMotion::at(double t_high_s, double t_low_s) const {
@@ -46,30 +67,41 @@ FreeState IntegratedMotion::at(double t_high_s, double t_low_s) const {
 }
 
 std::int64_t IntegratedMotion::integrate(const TimeArrays& times, const StateArrays& out) const {
+  check_lengths(times);
   const std::size_t count = times.high.size();
-  std::vector<double> tau(count);
+  std::vector<std::pair<double, std::size_t>> rows;  // of the times that are finite
+  std::vector<std::size_t> unanswered;               // the others
+  rows.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
-    tau[i] = (times.high[i] + (times.low.empty() ? 0.0 : times.low[i])) / time_unit_;
+    const double t = times.high[i] + (times.low.empty() ? 0.0 : times.low[i]);
+    if (std::isfinite(t)) {
+      rows.emplace_back(t / time_unit_, i);
+    } else {
+      unanswered.push_back(i);
+    }
   }
-  std::vector<std::size_t> order(count);
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  if (!std::is_sorted(tau.begin(), tau.end())) {
-    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return tau[a] < tau[b]; });
-    std::sort(tau.begin(), tau.end());
-  }
+  if (!std::is_sorted(rows.begin(), rows.end())) std::sort(rows.begin(), rows.end());
+  std::vector<double> tau;
+  std::vector<std::size_t> order;
+  tau.reserve(count), order.reserve(count);
+  for (const auto& [time, row] : rows) tau.push_back(time), order.push_back(row);
   const auto past = static_cast<std::size_t>(std::lower_bound(tau.begin(), tau.end(), 0.0) - tau.begin());
   std::reverse(tau.begin(), tau.begin() + static_cast<std::ptrdiff_t>(past));
   std::reverse(order.begin(), order.begin() + static_cast<std::ptrdiff_t>(past));
+
+  const std::size_t finite = order.size();
+  order.insert(order.end(), unanswered.begin(), unanswered.end());
 
   std::vector<State<double>> states(count, problem_.start);
   std::int64_t evaluations = 0;
   const std::span<const double> all(tau);
   if (momentum_ > 0.0) {
     if (past > 0) evaluations += advance(all.first(past), states.data());
-    if (past < count) evaluations += advance(all.subspan(past), states.data() + past);
+    if (past < finite) evaluations += advance(all.subspan(past), states.data() + past);
   } else if (forcing_) {
     no_answer(states.data(), 0, count);
   }
+  no_answer(states.data(), finite, count);
   for (std::size_t n = 0; n < count; ++n) {
     const auto row = static_cast<std::ptrdiff_t>(order[n]);
     for (int k = 0; k < 4; ++k) out.q[k][row * out.q_stride] = states[n].q[k];

@@ -1,8 +1,12 @@
 #include "polhode/motion/rivals/reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+
+#include "polhode/base/error.hpp"
 
 namespace polhode::rivals {
 
@@ -74,6 +78,12 @@ ExtendedBody extended(const FreeBody& body) {
 }
 
 Reference::Reference(const ExtendedBody& body, double t_min_s, double t_max_s, double tolerance) {
+  check_span(t_min_s, t_max_s);
+  if (!(tolerance > 0.0)) throw InputError(fmt::format("the tolerance is {}, a positive one is wanted", tolerance));
+  const auto vector = [](const Extended* v) { return Vector3(as_double(v[0]), as_double(v[1]), as_double(v[2])); };
+  checked({vector(body.moments),
+           {as_double(body.q[0]), as_double(body.q[1]), as_double(body.q[2]), as_double(body.q[3])},
+           vector(body.m)});
   const Extended q_length = length(body.q, 4), momentum = length(body.m, 3);
   State<Extended> y;
   for (int i = 0; i < 4; ++i) y.q[i] = body.q[i] / q_length;
@@ -193,6 +203,7 @@ State<Extended> Reference::at(double t_s) const {
 
 std::vector<double> condition_numbers(const FreeBody& body, const std::vector<double>& times_s) {
   constexpr double relative = 0x1p-60, tolerance = 1e-26;
+  if (times_s.empty()) return {};
   const auto [first, last] = std::minmax_element(times_s.begin(), times_s.end());
   const double t_min = std::min(0.0, *first), t_max = std::max(0.0, *last);
   const ExtendedBody exact = extended(body);

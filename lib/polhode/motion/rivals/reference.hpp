@@ -24,7 +24,8 @@ ExtendedBody extended(const FreeBody& body);
 /// answer becomes NaN once nothing is left of it.
 class Reference {
  public:
-  /// Good for instants from t_min_s to t_max_s, t_min_s <= 0 <= t_max_s. `tolerance` is that of Taylor's method.
+  /// Good for instants from t_min_s to t_max_s, t_min_s <= 0 <= t_max_s. `tolerance` is that of Taylor's method. Throws
+  /// InputError for another span, a tolerance that is not positive, and what checked() refuses.
   Reference(const ExtendedBody& body, double t_min_s, double t_max_s, double tolerance = 1e-33);
 
   /// Unit quaternion and momentum in units of |m|.

@@ -43,7 +43,7 @@ inline int exponent_of(double a) { return a == 0.0 || !__builtin_isfinite(a) ? -
 /// |a| raised to 2^-400 unless zero: changes no answer by more than 1e-120 and keeps squares from underflowing.
 inline double raised(double a) {
   constexpr double smallest = 0x1p-400;
-  return a == 0.0 || __builtin_fabs(a) >= smallest ? a : __builtin_copysign(smallest, a);
+  return a == 0.0 || !(__builtin_fabs(a) < smallest) ? a : __builtin_copysign(smallest, a);  // NaN stays
 }
 
 /// A number times a power of two that a double's range may not hold.
@@ -339,7 +339,7 @@ void build_fourier(const Input& in, const Canonical<Real>& c, const Common<Real>
       (j % 2 == 0 ? even_sum : odd_sum)[k] = sum;
       (j % 2 == 0 ? even_difference : odd_difference)[k] = difference;
     }
-    if (j > 2 * kMaxDegree && j * nearest(t_plus) < 0.01 * RealTraits<Real>::epsilon) break;
+    if (j > 2 * kMaxDegree && !(j * nearest(t_plus) >= 0.01 * RealTraits<Real>::epsilon)) break;  // ends on NaN too
   }
   const Real nu = s.lambda * half_pi_over_k;
   const Real rho = s.half_bracket - nu * a1 / a0;
@@ -414,7 +414,7 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
     const Real next = cos_n * cos_2 - sin_n * sin_2;
     sin_n = sin_n * cos_2 + cos_n * sin_2;
     cos_n = next;
-    if (n >= kMaxDegree && n * nearest(c_n) < 0.01 * RealTraits<Real>::epsilon) break;
+    if (n >= kMaxDegree && !(n * nearest(c_n) >= 0.01 * RealTraits<Real>::epsilon)) break;  // ends on NaN too
   }
   const Real quarter = pi_over_k_prime * s.lambda * 0.25;  // pi lambda / (4 K')
   const Real rho = s.half_bracket - quarter * s.y * s.reciprocal_k + quarter * s1 / s0;
