@@ -17,11 +17,14 @@ def chart(folder, *arguments):
     subprocess.run([POLHODE, "chart", *arguments, "-o", str(folder)], check=True, capture_output=True, timeout=300)
 
 
+def run_plot(*arguments, **options):
+    command = [sys.executable, ROOT / "tools/plot_chart.py", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
+
+
 def plot(table):
-    run = subprocess.run(
-        [sys.executable, str(ROOT / "tools/plot_chart.py"), str(table)],
-        check=True, capture_output=True, text=True, timeout=300,
-    )
+    run = run_plot(table)
+    assert run.returncode == 0, run.stderr
     return run.stdout
 
 
@@ -107,3 +110,35 @@ def test_bad_arguments_are_refused(tmp_path, arguments):
     assert run.returncode in (2, 3)
     assert run.stderr.strip()
     assert not list(tmp_path.glob("out/*.ecsv"))
+
+
+def lines_of(table):
+    text = table.read_text().splitlines(keepends=True)
+    head = next(i for i, line in enumerate(text) if not line.startswith("#"))
+    return text[: head + 1], text[head + 1 :]
+
+
+def test_a_table_that_is_not_whole_is_refused_in_one_line(speed, tmp_path):
+    """As an interrupted copy leaves it."""
+    head, rows = lines_of(speed)
+    for cut in ([], head[:3], head[:-1], head, [*head, rows[0]], [*head, *rows[:-1], rows[-1][:9]]):
+        table = tmp_path / "cut.ecsv"
+        table.write_text("".join(cut))
+        run = run_plot(table, "-o", tmp_path / "out")
+        assert run.returncode == 2 and run.stderr.count("\n") == 1, (len(cut), run.stderr)
+        assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("name, status", [("none.ecsv", 3), (".", 3), ("text.ecsv", 2), ("bytes.ecsv", 2)])
+def test_files_that_are_no_table_are_refused(tmp_path, name, status):
+    (tmp_path / "text.ecsv").write_text("a table\n")
+    (tmp_path / "bytes.ecsv").write_bytes(b"\xff\xfe\x00")
+    run = run_plot(name, cwd=tmp_path)
+    assert run.returncode == status and run.stderr.count("\n") == 1, run.stderr
+    assert run.stderr.startswith("plot_chart: ")
+
+
+def test_figures_that_cannot_be_written(speed, tmp_path):
+    (tmp_path / "file").write_text("")
+    run = run_plot(speed, "-o", tmp_path / "file")
+    assert run.returncode == 3 and run.stderr.count("\n") == 1, run.stderr

@@ -1,5 +1,6 @@
 """Our kernels in the SPICE toolkit (spiceypy) and in ANISE: attitudes, rates, directions, promised errors."""
 
+import re
 import subprocess
 import sys
 
@@ -7,9 +8,11 @@ import anise
 import numpy as np
 import pytest
 import spiceypy
+from astropy.io import fits as fits_file
 from astropy.table import Table
+from astropy.time import Time
 from scipy.spatial.transform import Rotation
-from support import ROOT, SPINNER, TOUTATIS, assert_within, propagate, toutatis
+from support import ROOT, SPINNER, T_HANDLE, TOUTATIS, assert_within, propagate, toutatis
 
 TOLERANCE_RAD = 1e-9
 
@@ -25,10 +28,13 @@ def spice_et(table):
     return np.array([spiceypy.unitim(t, "TDT", "ET") for t in seconds])
 
 
+def make_kernels(*arguments, **options):
+    command = [sys.executable, ROOT / "tools/spice_kernels.py", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, **options)
+
+
 def kernels(fits, folder, *options):
-    result = subprocess.run(
-        [sys.executable, ROOT / "tools/spice_kernels.py", fits, "-o", folder, *options], capture_output=True, text=True
-    )
+    result = make_kernels(fits, "-o", folder, *options)
     assert result.returncode == 0, result.stderr
     return result.stdout
 
@@ -157,11 +163,149 @@ def test_direction(tmp_path):
     body = tmp_path / "spinner.toml"
     body.write_text(SPINNER)
     fits = propagate(body, tmp_path / "a.fits", "--stop", "+20 s", "--step", "1", "--scale", "TT")
-    assert "no binary PCK" in kernels(fits, tmp_path, "--id", "-999123", "--name", "spin")  # its z axis is inertial z
+    said = kernels(fits, tmp_path, "--id", "-999123", "--name", "spin")
+    assert "spin.bpc" in said  # its z axis is that of J2000, but 23 deg from that of ECLIPJ2000
     spiceypy.kclear()
     spiceypy.furnsh(str(tmp_path / "spin.tm"))
     et = spice_et(Table.read(fits, hdu="ATTITUDE", astropy_native=True))[10]
     assert_within(np.abs(spiceypy.pxform("J2000", "SPIN_AXES", et) @ [0, 1, 0] - [1, 0, 0]), 1e-11)
+    assert_within(np.abs(spiceypy.pxform("J2000", "SPIN_AXES_PCK", et) @ [0, 1, 0] - [1, 0, 0]), TOLERANCE_RAD)
     matrix, omega = spiceypy.xf2rav(spiceypy.sxform("J2000", "SPIN_AXES", et))
     assert_within(np.abs(omega - [0, 0, np.radians(9)]), 1e-11)
     spiceypy.kclear()
+
+
+ENVISAT = ROOT / "data/bodies/envisat.toml"
+
+
+@pytest.mark.parametrize("scale", ["TT", "TAI", "UTC", "TDB"])
+def test_every_time_scale_over_a_leap_second(tmp_path, scale):
+    """2016-12-31T23:59:60: a body of 9 deg/s is where the equations say, to the microsecond."""
+    body = tmp_path / "spinner.toml"
+    body.write_text(SPINNER.replace("2000-01-01T12:00:00 TT", "2016-12-31T23:59:30 UTC"))
+    fits = propagate(body, tmp_path / "a.fits", "--stop", "+60 s", "--step", "1 s", "--scale", scale)
+    kernels(fits, tmp_path, "--id", "-999123", "--name", "spin")
+    spiceypy.kclear()
+    spiceypy.furnsh(str(tmp_path / "spin.tm"))
+    tt = Time("2016-12-31T23:59:30", scale="utc").tt
+    first = spiceypy.unitim((tt.jd1 - 2451545.0 + tt.jd2) * 86400, "TDT", "ET")
+    for elapsed in (5.5, 29.5, 31.5, 55.5):  # the leap second is the 30th
+        about = Rotation.from_matrix(spiceypy.pxform("SPIN_AXES", "J2000", first + elapsed)).as_rotvec()
+        assert_within(np.abs(Rotation.from_rotvec([0, 0, np.radians(9) * elapsed]).as_rotvec() - about), 1e-6)
+    spiceypy.kclear()
+
+
+@pytest.mark.parametrize("scale", ["ET", "GPS", "UT1", None])
+def test_time_scales_that_readers_take_differently_are_refused(tmp_path, folder, scale):
+    with fits_file.open(folder / "toutatis.fits") as file:
+        header = file["ATTITUDE"].header
+        if scale is None:
+            del header["TIMESYS"]
+        else:
+            header["TIMESYS"] = scale
+        file.writeto(tmp_path / "a.fits", checksum=True)
+    result = make_kernels(tmp_path / "a.fits", "-o", tmp_path / "kernels")
+    assert result.returncode == 2 and result.stderr.count("\n") == 1 and "TIMESYS" in result.stderr
+    assert not (tmp_path / "kernels").exists()
+
+
+def test_a_folder_is_made_and_the_kernels_load_from_anywhere(tmp_path, folder, monkeypatch):
+    """With a long path, with a quote, a space, a plus at its end, and letters beyond ASCII in it."""
+    for name in ("a/b", "it's a folder " + "ü" * 20 + "+", "c" * 70 + "'" * 20, "d" * (220 - len(str(tmp_path)))):
+        where = tmp_path / name
+        result = make_kernels(folder / "toutatis.fits", "-o", name, cwd=tmp_path)
+        assert result.returncode == 0, result.stderr
+        monkeypatch.chdir("/")
+        spiceypy.kclear()
+        spiceypy.furnsh(str(where / "toutatis.tm"))
+        spiceypy.pxform("J2000", "TOUTATIS_AXES_PCK", spice_et(Table.read(folder / "toutatis.fits", hdu=1, astropy_native=True))[9])
+        assert all(len(line) <= 82 for line in (where / "toutatis.tm").read_text().splitlines() if "'" in line)
+        assert {path.name for path in where.iterdir()} == {f"toutatis{e}" for e in ("_ck3.bc", "_ck5.bc", ".bpc", ".tsc", ".tf", ".tm")}
+    spiceypy.kclear()
+    result = make_kernels(folder / "toutatis.fits", "-o", "e" * 200 + "/" + "f" * 100, cwd=tmp_path)
+    assert result.returncode == 2 and "too long" in result.stderr and result.stderr.count("\n") == 1
+
+
+def test_moved_kernels_load_after_one_line_is_changed(tmp_path, folder):
+    kernels(folder / "toutatis.fits", tmp_path / "a")
+    (tmp_path / "a").rename(tmp_path / "b")
+    meta = tmp_path / "b/toutatis.tm"
+    meta.write_text(re.sub(r"PATH_VALUES = \([^)]*\)", f"PATH_VALUES = ( '{tmp_path / 'b'}' )", meta.read_text()))
+    spiceypy.kclear()
+    spiceypy.furnsh(str(meta))
+    assert spiceypy.ktotal("ALL") == 5
+    spiceypy.kclear()
+
+
+@pytest.mark.parametrize(
+    "name, options, made",
+    [
+        ("4179 Toutatis", [], (2004179, "toutatis")),
+        ("214869 2007 PA8", [], (2214869, "2007_pa8")),
+        ("2007 PA8", [], None),  # not 2007 McCuskey
+        ("1P/Halley", [], None),
+        ("1I/'Oumuamua", [], None),
+        ("Envisat", [], None),
+        ("4179 " + "T" * 17, [], (2004179, "t" * 17)),
+        ("4179 " + "T" * 18, [], None),  # FRAME_..._AXES_PCK would have 33 characters
+        ("4179 " + "T" * 18, ["--name", "t"], (2004179, "t")),
+        ("4179 ---", [], None),
+        ("Envisat", ["--id", "-999123"], (-999123, "envisat")),
+        ("1I/'Oumuamua", ["--id", "7"], (7, "1i_oumuamua")),
+        ("Envisat", ["--id", "0"], None),
+        ("Envisat", ["--id", "4000000000"], None),
+        ("Envisat", ["--id", "-5", "--tolerance", "nan"], None),
+    ],
+)
+def test_ids_and_names(tmp_path, folder, name, options, made):
+    with fits_file.open(folder / "toutatis.fits") as file:
+        file["ATTITUDE"].header["OBJECT"] = name
+        file["ATTITUDE"].data = file["ATTITUDE"].data[:50]
+        file.writeto(tmp_path / "a.fits", checksum=True)
+    result = make_kernels(tmp_path / "a.fits", "-o", tmp_path / "kernels", *options)
+    if made is None:
+        assert result.returncode == 2 and result.stderr.count("\n") == 1, result.stderr
+        assert not (tmp_path / "kernels").exists()
+        return
+    assert result.returncode == 0, result.stderr
+    body_id, name = made
+    spiceypy.kclear()
+    spiceypy.furnsh(str(tmp_path / f"kernels/{name}.tm"))
+    assert spiceypy.bodn2c(name) == body_id
+    assert spiceypy.namfrm(f"{name.upper()}_AXES_PCK") > 0
+    spiceypy.kclear()
+
+
+def test_envisat_at_one_second_has_a_pck(tmp_path):
+    """Its z axis passes the poles of J2000 within 0.01 rad, those of ECLIPJ2000 at 0.04."""
+    fits = propagate(ENVISAT, tmp_path / "a.fits", "--stop", "+20 min", "--step", "1 s")
+    said = kernels(fits, tmp_path, "--id", "-999123")
+    promised = float(re.search(r"([0-9.e-]+) rad promised", said)[1])
+    assert promised < 1e-8
+    spiceypy.kclear()
+    spiceypy.furnsh(str(tmp_path / "envisat.tm"))
+    table = Table.read(fits, hdu="ATTITUDE", astropy_native=True)
+    rows = list(zip(spice_et(table), table))[1:-1]
+    assert_within([turned(spiceypy.pxform("J2000", "ENVISAT_AXES_PCK", t), row) for t, row in rows], promised)
+    spiceypy.kclear()
+
+
+def test_rows_too_far_apart_are_refused(tmp_path):
+    fits = propagate(T_HANDLE, tmp_path / "a.fits", "--stop", "+100 s", "--step", "1 s")  # a turn takes half a second
+    result = make_kernels(fits, "-o", tmp_path / "kernels", "--id", "-5", "--name", "t")
+    assert result.returncode == 2 and "too far apart" in result.stderr and result.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize("output, status", [("/dev/full", 3), ("/dev/null/a", 3)])
+def test_outputs_that_cannot_be(folder, output, status):
+    result = make_kernels(folder / "toutatis.fits", "-o", output)
+    assert result.returncode == status and result.stderr.count("\n") == 1, result.stderr
+
+
+def test_other_files_are_refused_in_one_line(tmp_path, folder):
+    whole = (folder / "toutatis.fits").read_bytes()
+    (tmp_path / "cut.fits").write_bytes(whole[:20000])
+    for name, status in (("cut.fits", 2), ("none.fits", 3), (".", 3), (TOUTATIS, 2)):
+        result = make_kernels(name, "-o", "kernels", cwd=tmp_path)
+        assert result.returncode == status and result.stderr.count("\n") == 1, result.stderr
+        assert not (tmp_path / "kernels").exists()

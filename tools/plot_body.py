@@ -5,23 +5,26 @@ ellipsoid, and the path of its long axis on the sky.
     tools/plot_body.py FILE [-o OUT]
 
 FILE is an attitude ephemeris that `polhode propagate` wrote as FITS, or a body file, which is then propagated for twenty
-turns (by the program that the environment variable POLHODE names, else build/bin/polhode).
+turns (by the program that the environment variable POLHODE names, else that of this source tree, else the one on the
+PATH). OUT ends in .png, .pdf or .svg.
 """
 
-import argparse
-import os
 import subprocess
-import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import scripts
+
+scripts.need("astropy", "matplotlib", "numpy")
+
 import matplotlib
+from scripts import InputError
 
 matplotlib.use("Agg")
+import matplotlib.patheffects as effects
 import matplotlib.pyplot as plt
 import numpy as np
-from astropy.table import Table
 from matplotlib.collections import LineCollection
 
 INK = "#1b1f24"
@@ -29,6 +32,8 @@ BLUE = "#0b5fa5"  # rotation about the axis of least inertia: case (i)
 RED = "#c2452d"  # about the axis of greatest inertia: case (ii)
 GREEN = "#3f8f3a"  # the separatrix: case (iii)
 SPHERE = np.array([0.93, 0.92, 0.89])
+HALO = [effects.withStroke(linewidth=3, foreground="white")]  # of words that may stand on curves
+FARTHEST = 1.9  # of an energy ellipsoid that is drawn, in radii of the sphere: a needle's reaches out to hundreds
 
 
 @dataclass
@@ -54,29 +59,33 @@ def rotated(q, v):
 
 
 def read_motion(path):
-    table = Table.read(path, hdu="ATTITUDE")
-    meta = table.meta
-    q = np.asarray(table["QPARAM"])[:, [3, 0, 1, 2]]
-    omega = np.asarray(table["OMEGA"])
-    moments = np.array([meta[f"INERTIA{k}"] for k in (1, 2, 3)])
-    principal = np.array([[meta[f"QPRINC{k}"] for k in range(4)]])
+    ephemeris = scripts.read_ephemeris(path)
+    q, omega = ephemeris.q, ephemeris.omega_body
+    if len(q) < 2:
+        raise InputError(f"{path} has one row; a picture needs two or more")
+    moments = np.array([ephemeris.number(f"INERTIA{k}") for k in (1, 2, 3)])
+    principal = np.array([[ephemeris.number(f"QPRINC{k}") for k in range(4)]])
+    if not 0 < moments[0] <= moments[1] <= moments[2]:
+        raise InputError(f"{path}: INERTIA1 to 3 are {moments}; they must be positive and ascend")
     to_principal = principal * [1, -1, -1, -1]
     count = len(q)
     momentum = moments * rotated(np.repeat(to_principal, count, 0), omega)
     length = np.linalg.norm(momentum, axis=1, keepdims=True)
     if not np.all(length > 0):
-        sys.exit(f"plot_body: {path}: the body is at rest, there is nothing to draw")
+        raise InputError(f"{path}: the body is at rest, there is nothing to draw")
     momentum = momentum / length
     axes = [rotated(principal, np.eye(3)[k : k + 1]) for k in range(3)]
     in_body = sum(momentum[:1, k : k + 1] * axes[k] for k in range(3))
+    time = ephemeris.time
+    characters = 19 if (time[-1] - time[0]).to_value("s") > 10 else 23  # seconds, or milliseconds
     return Motion(
-        object=meta.get("OBJECT", Path(path).stem),
-        method=meta.get("METHOD", ""),
-        frame=meta.get("REFFRAMA", ""),
-        begin=meta["DATE-BEG"][:19].replace("T", " "),
-        end=f"{meta['DATE-END'][:19].replace('T', ' ')} {meta['TIMESYS']}",
+        object=ephemeris.text("OBJECT"),
+        method=ephemeris.text("METHOD"),
+        frame=ephemeris.text("REFFRAMA"),
+        begin=time[0].isot[:characters].replace("T", " "),
+        end=f"{time[-1].isot[:characters].replace('T', ' ')} {ephemeris.text('TIMESYS')}",
         moments=moments,
-        time_s=np.asarray(table["TIME"]),
+        time_s=(time - time[0]).to_value("s"),
         momentum=momentum,
         long_axis=rotated(q, np.repeat(axes[0], count, 0)),
         momentum_direction=rotated(q[:1], in_body)[0],
@@ -85,19 +94,19 @@ def read_motion(path):
 
 def propagated(body_file, folder):
     """The ephemeris of a body file over some twenty turns."""
-    program = os.environ.get("POLHODE", "build/bin/polhode")
-    out = Path(folder) / "body.fits"
+    program, out = scripts.program(), Path(folder) / "body.fits"
 
     def run(*options):
         result = subprocess.run([program, "propagate", body_file, "-o", out, *options], capture_output=True, text=True)
         if result.returncode != 0:
-            sys.exit(f"plot_body: {result.stderr.strip()}")
+            error = scripts.FileError if result.returncode == 3 else InputError
+            raise error(result.stderr.strip() or f"{program} ended with status {result.returncode}")
 
     run("--stop", "+0 s", "--count", "1")
-    rate = np.linalg.norm(Table.read(out, hdu="ATTITUDE")["OMEGA"][0])
+    rate = np.linalg.norm(scripts.read_ephemeris(out).omega_body[0])
     if rate == 0:
-        sys.exit(f"plot_body: {body_file}: the body is at rest, there is nothing to draw")
-    run("--stop", f"+{20 * 2 * np.pi / rate:.0f} s", "--count", "6000")
+        raise InputError(f"{body_file}: the body is at rest, there is nothing to draw")
+    run("--stop", f"+{20 * 2 * np.pi / rate:.9g} s", "--count", "6000")
     return out
 
 
@@ -144,17 +153,34 @@ class View:
 
 
 def mode(motion):
-    """Case of the motion: the sign of 2 T I2 / G^2 - 1."""
-    excess = np.mean(np.sum(motion.momentum**2 / motion.moments, axis=1)) * motion.moments[1] - 1
-    if excess > 0:
-        return "long-axis mode", BLUE
-    return "short-axis mode", RED
+    """Case of the motion, and its colour: a rotation about a fixed axis, or the sign of 2 T I2 / G^2 - 1."""
+    low, middle, high = motion.moments
+    symmetric = is_equal(low, middle) or is_equal(middle, high)
+    omega = motion.momentum / motion.moments
+    drift = np.linalg.norm(np.cross(motion.momentum, omega), axis=1) / np.linalg.norm(omega, axis=1)
+    if is_equal(low, high):
+        return "rotation of a sphere", BLUE
+    if drift.max() < 1e-9:
+        along = int(np.argmax(np.abs(motion.momentum[0])))
+        if not symmetric:
+            return f"rotation about the {('long', 'intermediate', 'short')[along]} axis", (BLUE, GREEN, RED)[along]
+        own = 2 if is_equal(low, middle) else 0
+        return f"rotation {'about' if along == own else 'across'} the axis of symmetry", (RED if own == 2 else BLUE)
+    excess = np.mean(np.sum(motion.momentum**2 / motion.moments, axis=1)) * middle - 1
+    of = " of a symmetric body" if symmetric else ""
+    if abs(excess) < 1e-14:
+        return "separatrix" + of, GREEN
+    return ("long-axis mode" + of, BLUE) if excess > 0 else ("short-axis mode" + of, RED)
+
+
+def is_equal(a, b):
+    return b <= a * (1 + 1e-12)
 
 
 def separatrix_slope(moments):
     """m3/m1 on the separatrix planes, Delta_2 = 0; None where a symmetric top has none."""
     i1, i2, i3 = moments
-    if i2 <= i1 * (1 + 1e-12) or i3 <= i2 * (1 + 1e-12):
+    if is_equal(i1, i2) or is_equal(i2, i3):
         return None
     return np.sqrt((i2 - i1) * i3 / ((i3 - i2) * i1))
 
@@ -173,7 +199,8 @@ def draw_axes_labels(ax, view, reach):
         sign = "" if tip[k] > 0 else "\N{MINUS SIGN}"
         x, y = view_xy(view, tip * (reach[k] + 0.28))
         away = np.array([x, y]) / max(np.hypot(x, y), 1e-9) * 0.13
-        ax.text(x + away[0], y + away[1], f"${sign}m_{k + 1}$", ha="center", va="center", fontsize=12.5, color=INK, zorder=9)
+        label = f"${sign}m_{k + 1}$"
+        ax.text(x + away[0], y + away[1], label, ha="center", va="center", fontsize=12.5, color=INK, path_effects=HALO, zorder=9)
 
 
 def view_xy(view, point):
@@ -195,6 +222,14 @@ def draw_curve(ax, view, points, hidden_by, **style):
     with np.errstate(invalid="ignore"):
         hidden = view.depth(points) < hidden_by[row, column] - 0.03
     ax.plot(np.where(hidden, np.nan, x), np.where(hidden, np.nan, y), **style)
+
+
+def draw_polhode(ax, view, momentum, hidden_by, colour):
+    """The polhode, faint where it is behind, and a dot where it is no larger than one."""
+    ax.plot(*view.flat(momentum), color=colour, lw=1, alpha=0.3)
+    draw_curve(ax, view, momentum, hidden_by, color=colour, lw=2.6, solid_capstyle="round")
+    if np.ptp(momentum, axis=0).max() < 0.03:
+        ax.plot(*view_xy(view, momentum[0]), "o", ms=8, color=colour, mec="white", mew=1, zorder=8)
 
 
 def momentum_sphere(ax, view, motion):
@@ -225,8 +260,13 @@ def momentum_sphere(ax, view, motion):
     energy = np.where(on_sphere, np.sum(point**2 / motion.moments, axis=-1), np.nan)
     low, middle, high = 1 / motion.moments[::-1]
     levels = np.concatenate([low + (middle - low) * np.array([0.1, 0.35, 0.7]), middle + (high - middle) * np.array([0.12, 0.38, 0.7])])
-    if np.all(np.diff(levels) > 0):
+    levels = levels[np.diff(levels, prepend=low) > 1e-12 * high]  # none on the side where a symmetric body has none
+    if len(levels):
         ax.contour(view.x, view.y, energy, levels=levels, colors=["#8a8f94"], linewidths=0.7)
+    _, colour = mode(motion)
+    own = np.mean(np.sum(motion.momentum**2 / motion.moments, axis=1))
+    if low < own < high:  # the whole polhode, of which the rows may be a part
+        ax.contour(view.x, view.y, energy, levels=[own], colors=[colour], linewidths=0.9)
     if slope is not None:
         angle = np.linspace(0, 2 * np.pi, 721)
         for sign in (1, -1):
@@ -234,19 +274,20 @@ def momentum_sphere(ax, view, motion):
             along /= np.linalg.norm(along)
             circle = np.cos(angle)[:, None] * along + np.sin(angle)[:, None] * np.array([0.0, 1.0, 0.0])
             draw_curve(ax, view, circle, depth, color=GREEN, lw=1.6, ls=(0, (5, 2)))
-    _, colour = mode(motion)
-    draw_curve(ax, view, motion.momentum, depth, color=colour, lw=2.6, solid_capstyle="round")
+    draw_polhode(ax, view, motion.momentum, depth, colour)
     draw_axes_labels(ax, view, [1.0, 1.0, 1.0])
-    finish(ax, view, "Polhode on the momentum sphere, separatrix dashed")
+    finish(ax, view, "Polhode on the momentum sphere" + ("" if slope is None else ", separatrix dashed"))
 
 
 def energy_ellipsoid(ax, towards, motion):
     inverse = 1 / motion.moments
     twice_energy = np.mean(np.sum(motion.momentum**2 * inverse, axis=1))
     semi_axes = np.sqrt(twice_energy / inverse)
-    view = View(towards, extent=np.clip(semi_axes.max() + 0.45, 1.5, 2.4))
+    view = View(towards, extent=np.clip(semi_axes.max() + 0.45, 1.5, FARTHEST + 0.5))
     sphere_depth, sphere_point = view.hit(np.ones(3))
     depth, point = view.hit(inverse / twice_energy)
+    with np.errstate(invalid="ignore"):
+        depth[np.linalg.norm(point, axis=-1) > FARTHEST] = np.nan
     _, colour = mode(motion)
     image = np.ones((view.pixels, view.pixels, 3))
     before = np.where(np.isfinite(depth), depth, -np.inf)
@@ -258,11 +299,12 @@ def energy_ellipsoid(ax, towards, motion):
     np.copyto(image, sphere, where=((sphere_before >= before) & np.isfinite(sphere_depth))[..., None])
     ax.imshow(image, origin="lower", extent=[-view.extent, view.extent] * 2, interpolation="bilinear")
     front = np.fmax(sphere_depth, depth)
-    draw_curve(ax, view, motion.momentum, front, color=colour, lw=2.6, solid_capstyle="round")
+    draw_polhode(ax, view, motion.momentum, front, colour)
     mirrored = motion.momentum * np.where(np.arange(3) == (0 if colour == BLUE else 2), -1, 1)
     draw_curve(ax, view, mirrored, front, color=colour, lw=1.2, ls=(0, (1, 1.5)))
-    draw_axes_labels(ax, view, np.maximum(semi_axes, 1.0))
-    finish(ax, view, "The same where the energy ellipsoid cuts the sphere")
+    draw_axes_labels(ax, view, np.clip(semi_axes, 1.0, FARTHEST))
+    cut = f" (cut off at {FARTHEST})" if semi_axes.max() > FARTHEST else ""
+    finish(ax, view, f"The same where the energy ellipsoid{cut} cuts the sphere")
 
 
 def sky(ax, motion):
@@ -285,22 +327,25 @@ def sky(ax, motion):
         segments[whole], cmap=matplotlib.colors.ListedColormap(dark_to_light), array=span[:-1][whole], linewidths=1.3
     )
     ax.add_collection(lines)
-    ax.plot(x[0], y[0], "o", ms=9, mfc="white", mec=INK, mew=1.5, label="first row", zorder=5)
-    ax.plot(x[-1], y[-1], "s", ms=8, mfc=INK, mec="white", mew=1.2, label="last row", zorder=5)
+    ax.plot(x[0], y[0], "o", ms=12, mfc="white", mec=INK, mew=1.5, label="first row", zorder=5, clip_on=False)
+    ax.plot(x[-1], y[-1], "s", ms=8, mfc=INK, mec="white", mew=1.2, label="last row", zorder=5, clip_on=False)
     lx, ly = flat(motion.momentum_direction)
-    ax.plot(lx, ly, "*", ms=15, mfc="white", mec=INK, mew=1.2, label="angular momentum", zorder=6)
+    ax.plot(lx, ly, "*", ms=15, mfc="white", mec=INK, mew=1.2, label="angular momentum", zorder=6, clip_on=False)
     ticks = np.arange(-150, 151, 30)
-    ax.set_xticks(np.radians(ticks), [f"{(np.degrees(centre) - t) % 360:.0f}°" for t in ticks], fontsize=8.5, color="#555a60")
+    ax.set_xticks(np.radians(ticks), [])
+    for t in ticks:
+        label = f"{np.round(np.degrees(centre) - t) % 360:.0f}°"
+        ax.text(np.radians(t), 0.04, label, fontsize=8.5, color="#555a60", ha="center", va="bottom", path_effects=HALO, zorder=4)
     ax.tick_params(axis="y", labelsize=8.5, labelcolor="#555a60")
     ax.grid(color="#c9ccd0", lw=0.6)
-    ax.set_title(f"Path of the long axis on the sky ({along} and {across}, {motion.frame})", fontsize=11.5, color=INK, pad=12)
+    ax.set_title(f"Path of the long axis on the sky ({along} and {across}, {motion.frame})", fontsize=11.5, color=INK, pad=12, parse_math=False)
     ax.legend(loc="lower left", bbox_to_anchor=(-0.075, -0.09), frameon=False, fontsize=9.5, labelspacing=0.7)
     bar = plt.colorbar(lines, ax=ax, shrink=0.62, pad=0.04, aspect=22)
     bar.set_label(f"{unit} from the first row", fontsize=9.5, color=INK)
     bar.outline.set_visible(False)
 
 
-def draw(motion, out):
+def draw(motion):
     figure = plt.figure(figsize=(11.5, 11.2), dpi=150, facecolor="white")
     grid = figure.add_gridspec(2, 2, height_ratios=[1.05, 1], hspace=0.1, wspace=0.02, left=0.06, right=0.97, top=0.9, bottom=0.04)
     # Looked at from the side where the momentum is, a little off the axis it goes about.
@@ -313,25 +358,41 @@ def draw(motion, out):
     energy_ellipsoid(figure.add_subplot(grid[0, 1]), towards, motion)
     sky(figure.add_subplot(grid[1, :], projection="mollweide"), motion)
     ratios = " : ".join(f"{m:.4g}" for m in motion.moments / motion.moments[-1])
-    figure.text(0.06, 0.965, motion.object, fontsize=19, weight="bold", color=INK, va="center")
+    figure.text(0.06, 0.965, motion.object, fontsize=19, weight="bold", color=INK, va="center", parse_math=False)
     figure.text(
         0.06, 0.935, f"{name}, moments {ratios}   ·   {motion.begin} to {motion.end}   ·   method {motion.method}",
-        fontsize=10.5, color="#555a60", va="center",
+        fontsize=10.5, color="#555a60", va="center", parse_math=False,
     )
-    figure.savefig(out)
-    plt.close(figure)
+    return figure
+
+
+FORMATS = (".png", ".pdf", ".svg")
+
+
+def picture_format(path):
+    """By the ending; what is no regular file, as /dev/stdout, gets PNG."""
+    ending = path.suffix.lower()
+    if ending in FORMATS:
+        return ending[1:]
+    if path.exists() and not path.is_file():
+        return "png"
+    raise InputError(f"{path}: a picture ends in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = scripts.Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("file", help="FITS ephemeris or body file")
-    parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg (default: FILE's name with .png)")
+    parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg (default: FILE's name with .png, beside FILE)")
     arguments = parser.parse_args()
-    out = arguments.output or str(Path(arguments.file).with_suffix(".png"))
-    with tempfile.TemporaryDirectory() as folder:
-        is_fits = arguments.file.endswith((".fits", ".fits.gz", ".fit"))
-        draw(read_motion(arguments.file if is_fits else propagated(arguments.file, folder)), out)
+    name = arguments.file.removesuffix(".gz")
+    out = Path(arguments.output or Path(name).with_suffix(".png"))
+    format = picture_format(out)
+    with tempfile.TemporaryDirectory(prefix="polhode-") as folder:
+        fits = scripts.is_fits(arguments.file)
+        figure = draw(read_motion(arguments.file if fits else propagated(arguments.file, folder)))
+    with scripts.whole_file(out) as file:
+        figure.savefig(file, format=format)
 
 
 if __name__ == "__main__":
-    main()
+    scripts.run(main)

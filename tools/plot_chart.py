@@ -6,8 +6,11 @@ alone; a stability table gives a figure per map. All are written as SVG and PNG 
 """
 
 import argparse
-import sys
 from pathlib import Path
+
+import scripts
+
+scripts.need("astropy", "matplotlib", "numpy")
 
 import matplotlib
 
@@ -19,6 +22,7 @@ from astropy.table import Table
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import LogLocator, NullFormatter
+from scripts import InputError
 
 INK = "#1b1f24"
 FAINT = "#8a9199"
@@ -64,8 +68,9 @@ def power(exponent):
 
 def save(figure, folder, name):
     for ending in ("svg", "png"):
-        path = folder / f"{name}.{ending}"
-        figure.savefig(path, dpi=170, facecolor="white")
+        path = scripts.made_folder(folder) / f"{name}.{ending}"
+        with scripts.whole_file(path) as file:
+            figure.savefig(file, format=ending, dpi=170, facecolor="white")
         print(path)
     plt.close(figure)
 
@@ -195,7 +200,16 @@ COSTS = {
 }
 
 
+def check_whole(table, rows, what):
+    """Every body must have some of the rows, by one instant and by many."""
+    for body in dict.fromkeys(table["body"]):
+        for instants in (max(table["instants"]), 1):
+            if not np.any(rows & (table["body"] == body) & (table["instants"] == instants)):
+                raise InputError(f"the table is not whole: it has no rows of {what} for {body} at {instants} instants")
+
+
 def speed_accuracy(table, folder):
+    check_whole(table, table["method"] == "theta", "theta")
     bodies = list(dict.fromkeys(table["body"]))
     many = max(table["instants"])
     comments = table.meta.get("comments", [])
@@ -264,6 +278,7 @@ TORQUED_COSTS = {
 
 
 def torqued(table, folder):
+    check_whole(table, table["attitude_error"] < 0.3, "a method that is not lost")
     table["us_per_turn"] = table["time_per_turn"] / 1e3
     kinds = dict(zip(table["method"], table["kind"]))
     bodies = list(dict.fromkeys(table["body"]))
@@ -451,24 +466,45 @@ def stability(table, folder):
         save(figure, folder, f"stability-{name}")
 
 
+TEXTS = ("body", "kind", "map", "method", "outcome")
+DRAWINGS = {  # by a column that only this table has: what draws it, and what else it needs
+    "outcome": (stability, "map x y method digits_lost"),
+    "evaluations_per_turn": (
+        torqued, "body kind method instants span turns attitude_error reference_error time_per_turn"
+    ),
+    "attitude_error": (speed_accuracy, "body method instants span turns step tolerance time evaluations"),
+}  # fmt: skip
+
+
+def read_table(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return Table.read(file.read().splitlines(), format="ascii.ecsv")
+    except OSError:
+        raise
+    except Exception as error:  # astropy has many
+        raise InputError(f"{path} is not a table of polhode chart: {error}") from None
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = scripts.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("table", type=Path)
-    parser.add_argument("-o", "--output", type=Path)
+    parser.add_argument("-o", "--output", type=Path, help="folder of the figures, made if it is not there")
     arguments = parser.parse_args()
-    folder = arguments.output or arguments.table.parent
-    folder.mkdir(parents=True, exist_ok=True)
     plt.rcParams.update({"font.family": "DejaVu Sans", "hatch.linewidth": 0.6, "svg.hashsalt": "polhode"})
-    table = Table.read(arguments.table, format="ascii.ecsv")
-    if "outcome" in table.colnames:
-        stability(table, folder)
-    elif "evaluations_per_turn" in table.colnames:
-        torqued(table, folder)
-    elif "attitude_error" in table.colnames:
-        speed_accuracy(table, folder)
-    else:
-        sys.exit(f"{arguments.table}: not a table of polhode chart")
+    table = read_table(arguments.table)
+    draw, others = next((DRAWINGS[name] for name in DRAWINGS if name in table.colnames), (None, ""))
+    if draw is None:
+        raise InputError(f"{arguments.table} is not a table of polhode chart: it has no column of {', '.join(DRAWINGS)}")
+    for name in others.split():
+        if name not in table.colnames:
+            raise InputError(f"{arguments.table} is not a whole table of polhode chart: it has no column {name}")
+        if (table[name].dtype.kind in "US") != (name in TEXTS):
+            raise InputError(f"{arguments.table}: column {name} holds {'numbers' if name in TEXTS else 'no numbers'}")
+    if len(table) == 0:
+        raise InputError(f"{arguments.table} has no rows")
+    draw(table, arguments.output or arguments.table.parent)
 
 
 if __name__ == "__main__":
-    main()
+    scripts.run(main)

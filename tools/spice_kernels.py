@@ -8,42 +8,48 @@ After furnsh of FOLDER/NAME.tm, pxform and sxform know the frame NAME_AXES (and 
     NAME_ck5.bc   CK type 5: Hermite interpolation, degree 11, between the rows; the accurate one, which NAME.tm loads
     NAME_ck3.bc   CK type 3: rotation at a constant rate between the rows; for programs that know no type 5
     NAME.bpc      binary PCK type 2: Chebyshev polynomials of the Euler angles ZXZ, for SPICE, ANISE and jplephem; only
-                  where rows are equally spaced and the body's z axis keeps clear of the inertial one's line
+                  where rows are equally spaced and the body's z axis keeps clear of the line of the poles of J2000 or
+                  of ECLIPJ2000
     NAME.tsc      the clock that a CK needs: counts ET
     NAME.tf       the frames
-    NAME.tm       all of these but NAME_ck3.bc, to load at once (paths in it are absolute)
+    NAME.tm       all of these but NAME_ck3.bc, to load at once, from any folder; PATH_VALUES in it is the folder where
+                  the kernels are: change that line if you move them
 
 Each says in its comments the largest error found between the rows, or for the PCK the promised one.
 
 The quaternion that SPICE wants is (QC, -Q1, -Q2, -Q3) of ours, its angular velocities are in the inertial frame, and its
-ET is SPICE's own TDB (up to 0.03 ms from that of FITS): each row keeps its instant.
+ET is SPICE's own TDB (up to 0.1 ms from that of FITS): each row keeps its instant.
 """
 
-import argparse
+import os
 import re
-import sys
-from dataclasses import dataclass
+import shutil
+import tempfile
+from dataclasses import dataclass, replace
 from pathlib import Path
+
+import scripts
+
+scripts.need("astropy", "numpy", "spiceypy")
 
 import numpy as np
 import spiceypy
-from astropy.table import Table
+from scripts import FileError, InputError
 
 # SPICE's TDB, from its leap-seconds kernels: ET = TT + K sin(M + EB sin M), M = M0 + M1 t.
 DELTET_K, DELTET_EB, DELTET_M0, DELTET_M1 = 1.657e-3, 1.671e-2, 6.239996, 1.99096871e-7
 
+OBLIQUITY_RAD = np.radians(84381.448 / 3600)  # of ECLIPJ2000: J2000 turned about x
 SPICE_FRAMES = {"ICRF": "J2000", "GCRF": "J2000", "ECLIPJ2000": "ECLIPJ2000"}
 HERMITE_ROWS = 6  # of a window: degree 11
 CHEBYSHEV_DEGREE = 15
-
-
-def fail(message):
-    sys.exit(f"spice_kernels: {message}")
+LONGEST_NAME = 17  # FRAME_<name>_AXES_PCK is a variable, of 32 characters at most
+LONGEST_PATH = 255
 
 
 @dataclass
 class Rows:
-    object: str
+    object: str  # in ASCII, as SPICE wants it
     frame: str  # SPICE's name
     et: np.ndarray
     q: np.ndarray  # n x 4, scalar first, v_inertial = q v_body q*, continuous in sign
@@ -56,6 +62,11 @@ class Rows:
         return np.ascontiguousarray(self.omega_body + self.q[:, :1] * t + np.cross(self.q[:, 1:], t))
 
     @property
+    def resolution_rad(self):
+        """What the body turns by from one double of ET to the next."""
+        return float(np.linalg.norm(self.omega_body, axis=1).max() * np.spacing(np.abs(self.et).max()))
+
+    @property
     def q_dot(self):
         """dq/dt = q (0, omega_body) / 2."""
         s, v, w = self.q[:, :1], self.q[:, 1:], self.omega_body
@@ -63,28 +74,26 @@ class Rows:
 
 
 def read_rows(path):
-    table = Table.read(path, hdu="ATTITUDE", astropy_native=True)
-    frame = table.meta["REFFRAMA"]
+    ephemeris = scripts.read_ephemeris(path)
+    frame = ephemeris.text("REFFRAMA")
     if frame not in SPICE_FRAMES:
-        fail(f"{path}: SPICE has no frame {frame}; write the FITS with --frame ICRF or ECLIPJ2000")
-    if table.meta.get("QORDER") != "XYZS" or table.meta.get("QDIR") != "A2B":
-        fail(f"{path}: QORDER, QDIR are not XYZS, A2B")
-    if len(table) < 2:
-        fail(f"{path}: kernels need two rows or more")
+        raise InputError(f"{path}: SPICE has no frame {frame}; write the FITS with --frame ICRF or ECLIPJ2000")
+    if len(ephemeris.q) < 2:
+        raise InputError(f"{path} has one row; kernels need two or more")
     # TT seconds from J2000 in two parts, so that nothing is lost on the way.
-    tt = table["TIME"].tt
+    tt = ephemeris.time.tt
     days = tt.jd1 - 2451545.0
     coarse = (days + tt.jd2) * 86400
     anomaly = DELTET_M0 + DELTET_M1 * coarse
     et = days * 86400 + (tt.jd2 * 86400 + DELTET_K * np.sin(anomaly + DELTET_EB * np.sin(anomaly)))
     step = np.diff(et)
     return Rows(
-        object=table.meta["OBJECT"],
+        object=re.sub(r"[^ -~]", "?", ephemeris.text("OBJECT")),
         frame=SPICE_FRAMES[frame],
         et=et,
-        q=np.asarray(table["QPARAM"])[:, [3, 0, 1, 2]],
-        omega_body=np.asarray(table["OMEGA"]),
-        uniform=len(table) >= HERMITE_ROWS and bool(np.all(np.abs(step - step.mean()) < 1e-4)),
+        q=ephemeris.q,
+        omega_body=ephemeris.omega_body,
+        uniform=len(et) >= HERMITE_ROWS and bool(np.all(np.abs(step - step.mean()) < 1e-4)),
     )
 
 
@@ -112,7 +121,20 @@ def interpolated(rows, et):
 
 
 def every_other(rows):
-    return Rows(rows.object, rows.frame, rows.et[::2], rows.q[::2], rows.omega_body[::2], rows.uniform)
+    return replace(rows, et=rows.et[::2], q=rows.q[::2], omega_body=rows.omega_body[::2])
+
+
+def error_by_spacing(rows):
+    """Error of the interpolation between the rows as they show it themselves: that between every other row, at the rows
+    left out, falls by 2^12 when the spacing is halved. None where there are too few."""
+    half = every_other(rows)
+    if len(half.et) < HERMITE_ROWS:
+        return None
+    inside = slice(1, 2 * len(half.et) - 2, 2)
+    at_twice = angle(interpolated(half, rows.et[inside]), rows.q[inside]).max()
+    if at_twice > 0.1:
+        raise InputError("the rows are too far apart to interpolate between them; give more (--step or --count of propagate)")
+    return at_twice / 2**12
 
 
 def angle(p, q):
@@ -143,19 +165,37 @@ def from_euler_zxz(angles):
     )
 
 
+def in_frame(rows, frame):
+    """The same attitudes referred to J2000 or ECLIPJ2000."""
+    if frame == rows.frame:
+        return rows
+    half = (-OBLIQUITY_RAD if frame == "ECLIPJ2000" else OBLIQUITY_RAD) / 2
+    c, s = np.cos(half), np.sin(half)
+    q = rows.q
+    turned = [c * q[:, 0] - s * q[:, 1], c * q[:, 1] + s * q[:, 0], c * q[:, 2] - s * q[:, 3], c * q[:, 3] + s * q[:, 2]]
+    return replace(rows, frame=frame, q=np.stack(turned, axis=1))
+
+
+def pole_distance(rows):
+    """Least angle between the body's z axis and the line of the frame's poles, at the rows."""
+    return np.arcsin(min(1.0, np.abs(np.sin(euler_zxz(rows.q)[:, 1])).min()))
+
+
 def chebyshev_pieces(rows, tolerance):
-    """The fewest equal pieces (within a fifth) whose polynomials of the angles stay within the tolerance: coefficients
-    (pieces x 3 x terms) and the error found at the rows and half-way between them."""
+    """The fewest equal pieces (within a fifth) whose polynomials of the angles stay within the tolerance, or where four
+    a row do not, the best: coefficients (pieces x 3 x terms), length, and the error found at the rows and in three places
+    between them."""
     begin, end = rows.et[0], rows.et[-1]
     terms = CHEBYSHEV_DEGREE + 1
     nodes = np.cos(np.pi * (np.arange(terms) + 0.5) / terms)[::-1]
     polynomials = np.polynomial.chebyshev.chebvander(nodes, CHEBYSHEV_DEGREE)
     weights = 2.0 / terms * polynomials.T
     weights[0] /= 2
-    check_et = np.sort(np.concatenate([rows.et, (rows.et[1:] + rows.et[:-1]) / 2]))
+    check_et = np.interp(np.arange(4 * len(rows.et) - 3) / 4, np.arange(len(rows.et)), rows.et)
     truth = interpolated(rows, check_et)
     pieces = max(1, int(len(rows.et) / 60))
-    while pieces * terms < 16 * len(rows.et) + 64:
+    best = None
+    while pieces < 4 * len(rows.et):
         length = (end - begin) / pieces
         centres = begin + length * (np.arange(pieces) + 0.5)
         et = (centres[:, None] + nodes * length / 2).ravel()
@@ -165,10 +205,12 @@ def chebyshev_pieces(rows, tolerance):
         x = (check_et - centres[piece]) / (length / 2)
         found = np.einsum("tk,tjk->tj", np.polynomial.chebyshev.chebvander(x, CHEBYSHEV_DEGREE), coefficients[piece])
         error = angle(from_euler_zxz(found), truth).max()
+        if best is None or error < best[2]:
+            best = coefficients, length, error
         if error <= tolerance:
-            return coefficients, length, error
+            break
         pieces = int(pieces * 1.2) + 1
-    return None
+    return best
 
 
 def errors_between(rows, ck_path, ck_id):
@@ -197,30 +239,14 @@ def add_comments(path, lines):
     spiceypy.dafcls(handle)
 
 
-def new_file(path):
-    path.unlink(missing_ok=True)
-    return str(path)
-
-
 def write_text(path, kind, text, data):
-    path.write_text(f"{kind}\n\n{text}\n\n\\begindata\n\n{data}\n\\begintext\n", encoding="ascii")
+    Path(path).write_text(f"{kind}\n\n{text}\n\n\\begindata\n\n{data}\n\\begintext\n", encoding="utf-8")
 
 
-def split_path(path):
-    """A path as the strings of a meta-kernel, at most 78 characters each, joined by '+'."""
-    text = str(path)
-    parts = [text[i : i + 70] for i in range(0, len(text), 70)]
-    return "\n".join(f"    '{part}{'+' if i + 1 < len(parts) else ''}'" for i, part in enumerate(parts))
-
-
-def write_kernels(rows, folder, name, body_id, tolerance):
-    ck_id = -abs(body_id)
-    frame, pck_frame, pck_frame_id = f"{name}_AXES", f"{name}_AXES_PCK", 1400000 + abs(body_id) % 500000
-    paths = {ending: folder / f"{name.lower()}{ending}" for ending in ("_ck3.bc", "_ck5.bc", ".bpc", ".tsc", ".tf", ".tm")}
+def write_clock(path, rows, clock):
     zero = np.floor(rows.et[0]) - 86400  # the clock starts a day early
-    clock = abs(ck_id)
     write_text(
-        paths[".tsc"], "KPL/SCLK", f"The clock of the attitude of {rows.object}: microseconds of ET (TDB) from {zero:.0f} s.",
+        path, "KPL/SCLK", f"The clock of the attitude of {rows.object}: microseconds of ET (TDB) from {zero:.0f} s.",
         f"""SCLK_KERNEL_ID = ( @2000-JAN-01 )
 SCLK_DATA_TYPE_{clock} = ( 1 )
 SCLK01_TIME_SYSTEM_{clock} = ( 1 )
@@ -233,8 +259,13 @@ SCLK_PARTITION_END_{clock} = ( 1.0000000000000E+16 )
 SCLK01_COEFFICIENTS_{clock} = ( 0.0 {zero:.1f} 1.0 )
 """,
     )  # fmt: skip
+
+
+def write_frames(path, rows, name, body_id):
+    ck_id, pck_frame_id = -abs(body_id), 1400000 + abs(body_id) % 500000
+    frame, pck_frame = f"{name}_AXES", f"{name}_AXES_PCK"
     write_text(
-        paths[".tf"], "KPL/FK", f"Frames of the attitude of {rows.object}: the axes that its body file names.",
+        path, "KPL/FK", f"Frames of the attitude of {rows.object}: the axes that its body file names.",
         f"""NAIF_BODY_NAME += ( '{name}' )
 NAIF_BODY_CODE += ( {body_id} )
 FRAME_{frame} = {ck_id}
@@ -253,17 +284,18 @@ FRAME_{pck_frame_id}_CENTER = {body_id}
 """,
     )  # fmt: skip
 
-    spiceypy.kclear()
-    spiceypy.furnsh(str(paths[".tsc"]))
+
+def write_cks(type_3, type_5, clock, rows, ck_id, segment, spacing_error):
+    """Writes both; what there is to say of their errors."""
+    spiceypy.furnsh(clock)
     ticks = np.array([spiceypy.sce2c(ck_id, t) for t in rows.et])
-    segment = f"{rows.object} by polhode"[:40]
-    handle = spiceypy.ckopn(new_file(paths["_ck3.bc"]), segment, 0)
+    handle = spiceypy.ckopn(type_3, segment, 0)
     quaternions = spice_quaternion(rows.q)
     spiceypy.ckw03(
         handle, ticks[0], ticks[-1], ck_id, rows.frame, True, segment, len(ticks), ticks, quaternions, rows.omega_inertial, 1, ticks[:1]
     )
     spiceypy.ckcls(handle)
-    handle = spiceypy.ckopn(new_file(paths["_ck5.bc"]), segment, 0)
+    handle = spiceypy.ckopn(type_5, segment, 0)
     packets = np.ascontiguousarray(np.concatenate([quaternions, spice_quaternion(rows.q_dot)], axis=1))
     hermite_with_derivatives, degree = 0, 2 * HERMITE_ROWS - 1
     seconds_per_tick = 1e-6
@@ -272,70 +304,138 @@ FRAME_{pck_frame_id}_CENTER = {body_id}
         seconds_per_tick, 1, ticks[:1],
     )  # fmt: skip
     spiceypy.ckcls(handle)
-    errors = ""
-    if rows.uniform:
-        type_3, type_5 = errors_between(rows, str(paths["_ck5.bc"]), ck_id)
-        for ending, error in (("_ck3.bc", type_3), ("_ck5.bc", type_5)):
-            what = f"Attitude of {rows.object} in {rows.frame}, by polhode."
-            add_comments(paths[ending], [what, f"Largest error found between the rows: {error:.3e} rad."])
-        errors = f", error found {type_3:.2g} and {type_5:.2g} rad"
-    spiceypy.kclear()
-    loaded = [paths["_ck5.bc"], paths[".tsc"], paths[".tf"]]
-    print(f"{paths['_ck3.bc']}, {paths['_ck5.bc']}: {len(ticks)} rows{errors}, frame {frame} in {rows.frame}")
+    if spacing_error is None:
+        return ""
+    errors = [max(error, spacing_error, rows.resolution_rad / 2) for error in errors_between(rows, type_5, ck_id)]
+    for path, error in zip((type_3, type_5), errors):
+        what = f"Attitude of {rows.object} in {rows.frame}, by polhode."
+        add_comments(path, [what, f"Largest error found between the rows: {error:.3e} rad."])
+    return f", error found {errors[0]:.2g} and {errors[1]:.2g} rad"
 
-    paths[".bpc"].unlink(missing_ok=True)
-    smallest_sine = np.sin(euler_zxz(rows.q)[:, 1]).min()
-    pieces = None
-    if not rows.uniform:
-        print("no binary PCK: its rows must be equally spaced, six or more")
-    elif smallest_sine < 1e-2:
-        print(f"no binary PCK: the body's z axis comes within {np.arcsin(smallest_sine):.2g} rad of the inertial one's line")
-    else:
-        spacing_error = 0.0
-        half = every_other(rows)
-        if len(half.et) >= HERMITE_ROWS:  # what the rows between the rows say of a spacing twice as wide
-            inside = slice(1, 2 * len(half.et) - 2, 2)
-            spacing_error = angle(interpolated(half, rows.et[inside]), rows.q[inside]).max() / 2**12
-        pieces = chebyshev_pieces(rows, max(tolerance - spacing_error, 0))
-        if pieces is None:
-            print(f"no binary PCK: the rows are too far apart for {tolerance:.2g} rad; give more rows or a larger --tolerance")
-    if pieces is not None:
-        coefficients, length, error = pieces
-        handle = spiceypy.pckopn(new_file(paths[".bpc"]), segment, 1000)
-        spiceypy.dafac(handle, [f"Attitude of {rows.object} in {rows.frame}, angles ZXZ, by polhode.",
-                                f"Promised error everywhere: {tolerance:.3e} rad."])  # fmt: skip
-        spiceypy.pckw02(
-            handle, abs(body_id), rows.frame, rows.et[0], rows.et[-1], segment, length, len(coefficients), CHEBYSHEV_DEGREE,
-            np.ascontiguousarray(coefficients).ravel(), rows.et[0],
-        )  # fmt: skip
-        spiceypy.pckcls(handle)
-        loaded.append(paths[".bpc"])
-        print(f"{paths['.bpc']}: {len(coefficients)} pieces of {length:.6g} s, error found {error:.2g} rad, frame {pck_frame}")
-    names = "\n".join(split_path(path.resolve()) for path in loaded)
-    write_text(paths[".tm"], "KPL/MK", f"Attitude of {rows.object}.", f"KERNELS_TO_LOAD = (\n{names}\n)\n")
-    print(f"{paths['.tm']}: load this one")
+
+def write_pck(path, rows, body_id, segment, spacing_error, tolerance):
+    """Whether it was written, and what there is to say of it. The tolerance, if it is None, is 1e-9 rad, or for a fast
+    body what ET in doubles can tell."""
+    if tolerance is None:
+        tolerance = max(1e-9, 2 * rows.resolution_rad)
+    if spacing_error is None:
+        return False, f"no binary PCK: its rows must be equally spaced, {2 * HERMITE_ROWS - 1} or more"
+    if spacing_error >= tolerance:
+        return False, (f"no binary PCK: the rows are too far apart for {tolerance:.2g} rad, {spacing_error:.2g} rad would "
+                       "do; give more rows or a larger --tolerance")  # fmt: skip
+    # The angles are singular where the z axis points to a pole of their frame.
+    others = [in_frame(rows, frame) for frame in SPICE_FRAMES.values() if frame != rows.frame]
+    if pole_distance(rows) < 0.1:
+        rows = max([rows, *others], key=pole_distance)
+    distance = pole_distance(rows)
+    of_pole = f"the body's z axis comes within {distance:.2g} rad of the line of the poles of {rows.frame}"
+    if distance < 1e-2:
+        return False, f"no binary PCK: {of_pole}, where its angles are singular; the CK holds everywhere"
+    coefficients, length, error = chebyshev_pieces(rows, tolerance - spacing_error)
+    if error > tolerance - spacing_error:
+        return False, (f"no binary PCK: its polynomials reach {error + spacing_error:.2g} rad, not {tolerance:.2g} rad "
+                       f"({of_pole}, and turns by {rows.resolution_rad:.2g} rad from one double of ET to the next); "
+                       "give a larger --tolerance, or use the CK")  # fmt: skip
+    handle = spiceypy.pckopn(path, segment, 1000)
+    spiceypy.dafac(handle, [f"Attitude of {rows.object} in {rows.frame}, angles ZXZ, by polhode.",
+                            f"Promised error everywhere: {tolerance:.3e} rad."])  # fmt: skip
+    spiceypy.pckw02(
+        handle, abs(body_id), rows.frame, rows.et[0], rows.et[-1], segment, length, len(coefficients), CHEBYSHEV_DEGREE,
+        np.ascontiguousarray(coefficients).ravel(), rows.et[0],
+    )  # fmt: skip
+    spiceypy.pckcls(handle)
+    return True, f"{len(coefficients)} pieces of {length:.6g} s, error found {error:.2g} rad of {tolerance:.2g} rad promised"
+
+
+def write_meta(path, rows, folder, names):
+    """SPICE looks for a relative path from where its user is: the folder is given whole, in strings of at most 80
+    characters, joined by '+'."""
+    text = str(folder.resolve())
+    if text.endswith("+"):
+        text += "/."
+    if len(os.fsencode(text)) > LONGEST_PATH - max(map(len, names)) - 1:
+        raise InputError(f"{text} is too long a path: SPICE takes {LONGEST_PATH} characters, the kernel's name included")
+    text = text.replace("'", "''")
+    parts = re.findall(r"(?:''|[^']){1,35}", text)  # no quote is torn from its twin
+    lines = "\n".join(f"    '{part}{'+' if i + 1 < len(parts) else ''}'" for i, part in enumerate(parts))
+    kernels = "\n".join(f"    '$KERNELS/{name}'" for name in names)
+    write_text(
+        path, "KPL/MK", f"Attitude of {rows.object}. PATH_VALUES is the folder of the kernels: change it if they are moved.",
+        f"PATH_SYMBOLS = ( 'KERNELS' )\nPATH_VALUES = (\n{lines}\n)\nKERNELS_TO_LOAD = (\n{kernels}\n)\n",
+    )  # fmt: skip
+
+
+def write_kernels(rows, work, folder, name, body_id, tolerance):
+    """Into the folder `work`; `folder` is where they will be. Their names, and what there is to say of them."""
+    ck_id, segment = -abs(body_id), f"{rows.object} by polhode"[:40]
+    names = {ending: f"{name.lower()}{ending}" for ending in ("_ck3.bc", "_ck5.bc", ".bpc", ".tsc", ".tf", ".tm")}
+    path = {ending: str(work / file) for ending, file in names.items()}
+    spacing_error = error_by_spacing(rows) if rows.uniform else None
+    write_clock(path[".tsc"], rows, abs(ck_id))
+    write_frames(path[".tf"], rows, name, body_id)
+    errors = write_cks(path["_ck3.bc"], path["_ck5.bc"], path[".tsc"], rows, ck_id, segment, spacing_error)
+    cks = f"{folder / names['_ck3.bc']}, {folder / names['_ck5.bc']}"
+    loaded = [names["_ck5.bc"], names[".tsc"], names[".tf"]]
+    written, of_pck = write_pck(path[".bpc"], rows, body_id, segment, spacing_error, tolerance)
+    if written:
+        loaded.append(names[".bpc"])
+        of_pck = f"{folder / names['.bpc']}: {of_pck}, frame {name}_AXES_PCK"
+    write_meta(path[".tm"], rows, folder, loaded)
+    return names.values(), [
+        f"{cks}: {len(rows.et)} rows{errors}, frame {name}_AXES in {rows.frame}",
+        of_pck,
+        f"{folder / names['.tm']}: load this one",
+    ]
+
+
+def number_and_name(object_name):
+    """Of a minor planet, as in 4179 Toutatis and 214869 2007 PA8; not so 2007 PA8, 1P/Halley or an unnumbered one."""
+    found = re.match(r"(\d{1,6})\s+(?![A-Z]{2}\d*$)(.+)", object_name)
+    return (int(found[1]), found[2]) if found else (None, object_name)
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = scripts.Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("file", help="FITS ephemeris")
-    parser.add_argument("-o", "--output", default=".", help="folder of the kernels (default: here)")
-    parser.add_argument("--id", type=int, help="NAIF id of the body (default: 2000000 + the number at the head of its name)")
-    parser.add_argument("--name", help="name for files and frames (default: from the object's name)")
-    parser.add_argument("--tolerance", type=float, default=1e-9, help="promised error of the binary PCK in rad (%(default)s)")
+    parser.add_argument("-o", "--output", default=".", help="folder of the kernels, made if it is not there (default: here)")
+    parser.add_argument("--id", type=int, help="NAIF id of the body (default: 2000000 + the minor planet's number before its name)")
+    parser.add_argument("--name", help=f"name for files and frames, at most {LONGEST_NAME} characters (default: the object's name)")
+    parser.add_argument(
+        "--tolerance", type=scripts.positive, help="promised error of the binary PCK in rad (default: 1e-9, more for a fast body)"
+    )
     arguments = parser.parse_args()
     rows = read_rows(arguments.file)
-    number = re.match(r"\d+", rows.object)
-    body_id = arguments.id if arguments.id is not None else 2000000 + int(number[0]) if number else None
-    if not body_id:
-        fail(f"'{rows.object}' has no number in front; give its NAIF id by --id")
-    name = (arguments.name or re.sub(r"^\d+\s*", "", rows.object)).upper()
-    name = re.sub(r"[^A-Z0-9]+", "_", name).strip("_")[:20]
+    number, object_name = number_and_name(rows.object)
+    if arguments.id is None and number is None:
+        raise InputError(
+            f"'{rows.object}' does not begin with a minor planet's number: give its NAIF id by --id, for a satellite a "
+            "negative number, as --id -999123"
+        )
+    body_id = arguments.id if arguments.id is not None else 2000000 + number
+    if not 0 < abs(body_id) < 2**31:
+        raise InputError(f"--id is {body_id}; it must be between 1 and 2147483647, or the negative of that")
+    name = re.sub(r"[^A-Z0-9]+", "_", (arguments.name or object_name).upper()).strip("_")
+    if not 1 <= len(name) <= LONGEST_NAME:
+        raise InputError(
+            f"SPICE's frames would begin with '{name}', which has {len(name)} characters; give 1 to {LONGEST_NAME} letters, "
+            "digits and _ by --name"
+        )
     folder = Path(arguments.output)
-    if not folder.is_dir():
-        fail(f"there is no folder {folder}")
-    write_kernels(rows, folder, name, body_id, arguments.tolerance)
+    with tempfile.TemporaryDirectory(prefix="polhode-") as work:
+        try:
+            kernels, said = write_kernels(rows, Path(work), folder, name, body_id, arguments.tolerance)
+        except spiceypy.exceptions.SpiceyError as error:
+            raise FileError(f"the kernels cannot be written: {error.short} {error.long}") from None
+        scripts.made_folder(folder)
+        for kernel in kernels:
+            made, target = Path(work, kernel), folder / kernel
+            if made.exists():
+                with scripts.whole_file(target) as file, open(made, "rb") as source:
+                    shutil.copyfileobj(source, file)
+            else:
+                target.unlink(missing_ok=True)  # of an earlier run, which this one's .tm does not load
+    print("\n".join(said))
 
 
 if __name__ == "__main__":
-    main()
+    scripts.run(main)
