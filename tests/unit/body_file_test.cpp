@@ -189,6 +189,11 @@ TEST(BodyFile, WhatIsWrongIsSaidWithItsLine) {
        "cannot stand beside angular_velocity"},
       {"momentum in ratios", momentum + "components=[1,2,3]\naxes='body'\nunit='ratios/s'\n", 11, "both must be"},
       {"momentum unit", momentum + "components=[1,2,3]\naxes='body'\nunit='kg m2'\n", 11, "allowed: N m s"},
+      {"moments too large", name + "[inertia]\nmoments=[3e60,4e60,5e60]\nunit='kg m2'\n", 2, "from 1e-50 to 1e+50"},
+      {"moments too small", name + "[inertia]\nmoments=[5e-324,4,4]\nunit='ratios'\n", 2, "from 1e-50 to 1e+50"},
+      {"rate too large", rate + "components=[1e300,0,0]\naxes='body'\nunit='rad/s'\n", 2, "1e-50 to 1e+50 rad/s"},
+      {"rate too small", rate + "components=[0,1e-60,0]\naxes='body'\nunit='rad/s'\n", 2, "1e-50 to 1e+50 rad/s"},
+      {"momentum that overflows", momentum + "components=[1e308,0,0]\naxes='body'\nunit='N m s'\n", 5, "1e+50 rad/s"},
       {"momentum alone", state + "[state.angular_momentum]\ncomponents=[1,2,3]\naxes='body'\nunit='N m s'\n", 6,
        "needs an [inertia] table"},
   };
@@ -223,6 +228,18 @@ TEST(BodyFile, CharactersOutOfPlaceAreRefused) {
       EXPECT_NE(std::string(error.what()).find("not valid TOML: "), std::string::npos) << text << ": " << error.what();
     }
   }
+}
+
+TEST(BodyFile, NumbersOutOfRangeAreRefusedInEveryFormat) {
+  const auto mesh = [](const std::string& size) {
+    return [size](const std::string&) {
+      return "v 0 0 0\nv " + size + " 0 0\nv 0 " + size + " 0\nv 0 0 " + size +
+             "\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    };
+  };
+  EXPECT_TRUE(read_body("a.obj", mesh("1e20")).inertia);
+  EXPECT_THROW(read_body("a.obj", mesh("1e30")), InputError);
+  EXPECT_THROW(read_body("a.obj", mesh("1e-30")), InputError);
 }
 
 TEST(BodyFile, LongQuaternionsAndDoubtfulDatesAreWarnedOf) {

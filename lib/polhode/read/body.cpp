@@ -11,6 +11,7 @@
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/mesh_file.hpp"
+#include "polhode/read/range.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/read/text_file.hpp"
 
@@ -72,6 +73,26 @@ Body body_of_mesh(const std::string& text, const std::string& path) {
   return body;
 }
 
+BodyAndHistory parse_any(const std::string& text, const RowOfFile& place, const ContentOf& content_of) {
+  const std::string& file = place.file;
+  if (is_ccsds(text)) return of_messages(text, file);
+  if (is_attitude_table(text)) return of_table(text, file);
+  if (is_damit_table(text)) return {parse_damit_table(text, file, place.row), {}};
+  if (is_damit_spin(text)) return {parse_damit_spin(text, file), {}};
+  if (is_shape_model(text)) return {parse_shape_model(text, file), {}};
+  if (is_mesh(text)) return {body_of_mesh(text, file), {}};
+  if (text.find('=') == std::string::npos) {
+    throw InputError({file, 0},
+                     "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "
+                     "(FITS, CSV, ECSV), DAMIT's spin.txt, shape.txt and tables, SHAPE models, meshes (OBJ, PLY, STL)");
+  }
+  if (is_scene(text)) {
+    throw InputError({file, 0},
+                     "is a scene, not a body: `polhode plan` says what it holds, and `polhode info` reads its body");
+  }
+  return {parse_body_file(text, file, content_of), {}};
+}
+
 }  // namespace
 
 Body read_body(const std::string& path, const ContentOf& content_of) {
@@ -90,23 +111,13 @@ RowOfFile::RowOfFile(const std::string& path) {
 }
 
 BodyAndHistory parse_body_and_history(const std::string& text, const RowOfFile& place, const ContentOf& content_of) {
-  const std::string& file = place.file;
-  if (is_ccsds(text)) return of_messages(text, file);
-  if (is_attitude_table(text)) return of_table(text, file);
-  if (is_damit_table(text)) return {parse_damit_table(text, file, place.row), {}};
-  if (is_damit_spin(text)) return {parse_damit_spin(text, file), {}};
-  if (is_shape_model(text)) return {parse_shape_model(text, file), {}};
-  if (is_mesh(text)) return {body_of_mesh(text, file), {}};
-  if (text.find('=') == std::string::npos) {
-    throw InputError({file, 0},
-                     "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "
-                     "(FITS, CSV, ECSV), DAMIT's spin.txt, shape.txt and tables, SHAPE models, meshes (OBJ, PLY, STL)");
+  BodyAndHistory found = parse_any(text, place, content_of);
+  try {
+    check_range(found.body);
+  } catch (const InputError& problem) {
+    throw InputError({place.file, 0}, problem.what());
   }
-  if (is_scene(text)) {
-    throw InputError({file, 0},
-                     "is a scene, not a body: `polhode plan` says what it holds, and `polhode info` reads its body");
-  }
-  return {parse_body_file(text, file, content_of), {}};
+  return found;
 }
 
 }  // namespace polhode

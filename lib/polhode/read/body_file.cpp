@@ -11,6 +11,7 @@
 #include "polhode/body/euler.hpp"
 #include "polhode/read/asteroid_files.hpp"
 #include "polhode/read/mesh_file.hpp"
+#include "polhode/read/range.hpp"
 #include "polhode/read/toml_table.hpp"
 #include "polhode/read/units.hpp"
 
@@ -314,6 +315,10 @@ Body parse_body_file(std::string_view text, const std::string& path, const Conte
   if (root.has("state") && root.has("spin")) throw root.error("spin", "either [state] or [spin], not both");
   if (root.has("state")) body.state = read_state(root.table("state"), body);
   if (root.has("spin")) read_spin(root.table("spin"), body);
+  if (body.inertia) root.located(root.has("inertia") ? "inertia" : "spin", [&] { check_range(*body.inertia); });
+  if (body.state && body.state->omega_named_rad_s) {
+    root.located(root.has("state") ? "state" : "spin", [&] { check_range_of_rate(*body.state->omega_named_rad_s); });
+  }
   return body;
 }
 
