@@ -347,7 +347,7 @@ def sky(ax, motion):
 
 def draw(motion):
     figure = plt.figure(figsize=(11.5, 11.2), dpi=150, facecolor="white")
-    grid = figure.add_gridspec(2, 2, height_ratios=[1.05, 1], hspace=0.1, wspace=0.02, left=0.06, right=0.97, top=0.9, bottom=0.04)
+    grid = figure.add_gridspec(2, 2, height_ratios=[1.05, 1], hspace=0.1, wspace=0.02, left=0.06, right=0.97, top=0.885, bottom=0.04)
     # Looked at from the side where the momentum is, a little off the axis it goes about.
     middle = motion.momentum.mean(axis=0)
     name, colour = mode(motion)
@@ -358,11 +358,10 @@ def draw(motion):
     energy_ellipsoid(figure.add_subplot(grid[0, 1]), towards, motion)
     sky(figure.add_subplot(grid[1, :], projection="mollweide"), motion)
     ratios = " : ".join(f"{m:.4g}" for m in motion.moments / motion.moments[-1])
-    figure.text(0.06, 0.965, motion.object, fontsize=19, weight="bold", color=INK, va="center", parse_math=False)
-    figure.text(
-        0.06, 0.935, f"{name}, moments {ratios}   ·   {motion.begin} to {motion.end}   ·   method {motion.method}",
-        fontsize=10.5, color="#555a60", va="center", parse_math=False,
-    )
+    figure.text(0.06, 0.968, motion.object, fontsize=19, weight="bold", color=INK, va="center", parse_math=False)
+    of_body, of_rows = f"{name}, moments {ratios}", f"{motion.begin} to {motion.end}, method {motion.method}"
+    for height, line in ((0.94, of_body), (0.922, of_rows)):
+        figure.text(0.06, height, line, fontsize=10.5, color="#555a60", va="center", parse_math=False)
     return figure
 
 
