@@ -60,6 +60,18 @@ class Program(unittest.TestCase):
             self.assertIn(complaint, done.stderr)
             self.assertIn(self.case, done.stderr)
 
+    def test_what_a_message_quotes_is_short_and_has_no_control_characters(self):
+        done = run("convert-time", "--to", "UTC", input="2000-01-01 \x1b[2J\rTT\x7f\n")
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("standard input:1: ", done.stderr)
+        self.assertIn("\\x1b[2J\\x0dTT\\x7f", done.stderr)
+        self.assertTrue(done.stderr[:-1].isprintable(), done.stderr)
+        done = run("convert-time", "--to", "UTC", input="2000-01-01 " + 5000 * "T" + "\n")
+        self.assertEqual(done.returncode, 2)
+        self.assertLess(len(done.stderr), 1050)
+        self.assertIn("standard input:1: ", done.stderr)
+        self.assertIn("allowed: TT", done.stderr)
+
     def test_wrong_usage_is_status_2(self):
         for arguments in [
             [],

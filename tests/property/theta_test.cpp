@@ -64,7 +64,7 @@ class Bodies {
   int count_ = 0;
 };
 
-double fastest(const FreeBody& b) { return b.momentum_body.cwiseQuotient(b.principal_moments).norm(); }
+double fastest(const FreeBody& b) { return b.momentum_body.cwiseQuotient(b.principal_moments).stableNorm(); }
 
 double attitude_error(const FreeState& a, const FreeState& b) {
   return rotation_angle_rad(a.q_inertial_from_body, b.q_inertial_from_body);
@@ -77,7 +77,7 @@ double momentum_error(const FreeState& a, const FreeState& b) {
 class Worst {
  public:
   void add(double error, int which) {
-    if (!(error <= worst_)) worst_ = error, which_ = which;
+    if (!(error <= worst_) && !std::isnan(worst_)) worst_ = error, which_ = which;
   }
   ~Worst() { EXPECT_LE(worst_, bound_) << "worst case " << which_; }
   explicit Worst(double bound) : bound_(bound) {}
@@ -332,6 +332,11 @@ TEST(ThetaProperty, ContinuousIntoSymmetricTopsAndAxes) {
 TEST(ThetaProperty, ExtremeBodiesKeepTheirStateAndTheirMotion) {
   Bodies bodies;
   Worst start(6 * kEps), later(40 * kEps);
+  // Squares of these numbers underflow; a body at rest stays so to the last digit.
+  const auto momentum_off = [](const FreeState& state, const FreeBody& b) {
+    const double off = (state.momentum_body - b.momentum_body).stableNorm();
+    return off == 0.0 ? 0.0 : off / b.momentum_body.stableNorm();
+  };
   for (int n = 0; n < 40000; ++n) {
     const auto tiny = [&](double decades) { return std::pow(10.0, bodies.uniform(-decades, 0)); };
     const double i2 = n % 3 == 0 ? 1 + tiny(16) : bodies.uniform(1, 2);
@@ -344,12 +349,12 @@ TEST(ThetaProperty, ExtremeBodiesKeepTheirStateAndTheirMotion) {
     const ThetaMotion motion(b);
     const FreeState s = motion.at(0.0);
     start.add(rotation_angle_rad(s.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
-    start.add((s.momentum_body - b.momentum_body).norm() / b.momentum_body.norm(), n);
-    const double t = bodies.uniform(-3, 3) / fastest(b);
+    start.add(momentum_off(s, b), n);
+    const double t = std::clamp(bodies.uniform(-3, 3) / fastest(b), -1e300, 1e300);
     const FreeState there = motion.at(t);
     const FreeState back = ThetaMotion({b.principal_moments, there.q_inertial_from_body, there.momentum_body}).at(-t);
     later.add(rotation_angle_rad(back.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
-    later.add((back.momentum_body - b.momentum_body).norm() / b.momentum_body.norm(), n);
+    later.add(momentum_off(back, b), n);
   }
 }
 
@@ -456,6 +461,7 @@ TEST(ThetaProperty, TimesOfAllSizesInOneBatchAsInSingleCalls) {
     Worst worst(4 * kEps);
     for (int n = 0; n < 1000; ++n) {
       const FreeBody b = bodies.next();
+      if (fastest(b) == 0.0) continue;  // at rest: no time is long
       const ThetaMotion motion(b, ThetaMotion::Span::any, *targets[k]);
       std::vector<double> t(21);
       for (double& x : t) x = bodies.uniform(-1, 1) * std::pow(10.0, bodies.uniform(0, 22)) / fastest(b);

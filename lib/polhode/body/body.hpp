@@ -39,10 +39,10 @@ struct Body {
   std::optional<Inertia> inertia;
   std::optional<SpinState> state;
   std::optional<double> period_uncertainty;  ///< one sigma of the periods (and rates), as a part of themselves
-  std::vector<StatedAttitude> attitudes;  ///< all that the file states, where `state` is chosen among several
-  std::vector<std::string> missing;       ///< what a propagation would need and the file does not give; empty: complete
-  std::vector<std::string> notes;         ///< what was understood, for people
-  std::vector<std::string> warnings;      ///< what was assumed or looks doubtful
+  std::vector<StatedAttitude> attitudes;     ///< all that the file states, where `state` is chosen among several
+  std::vector<std::string> missing;   ///< what a propagation would need and the file does not give; empty: complete
+  std::vector<std::string> notes;     ///< what was understood, for people
+  std::vector<std::string> warnings;  ///< what was assumed or looks doubtful
 };
 
 }  // namespace polhode
