@@ -79,7 +79,7 @@ def colours(path):
 def test_a_fixed_axis_is_a_point_on_both_spheres(tmp_path):
     result = plot(body_file(tmp_path / "b.toml"), "-o", "b.png", cwd=tmp_path)
     assert result.returncode == 0, result.stderr
-    assert colours(tmp_path / "b.png").get((0xC2, 0x45, 0x2D), 0) > 300
+    assert colours(tmp_path / "b.png").get((0xC2, 0x45, 0x2D), 0) > 200
 
 
 def test_from_any_folder_the_program_of_the_source_tree_is_found(tmp_path):
@@ -107,7 +107,7 @@ def test_a_python_without_the_packages_goes_on_in_the_environment(tmp_path, ephe
 
 
 @pytest.mark.parametrize(
-    "out, status", [("/dev/full", 3), ("none/a.png", 3), (".", 2), ("a.jpg", 2), ("a", 2)]
+    "out, status", [("/dev/full", 3), ("none/a.png", 3), (".", 3), ("a.jpg", 2), ("a", 2)]
 )
 def test_outputs_that_cannot_be(tmp_path, ephemeris, out, status):
     assert_one_line(plot(ephemeris, "-o", out, cwd=tmp_path), status)

@@ -80,13 +80,14 @@ def positive(text):
 def whole_file(path):
     """A binary file to write, which takes the place of `path` when all is written: it appears whole or not at all. A
     link is followed, what is there keeps its mode; a device or a pipe is written to as it is."""
-    path = Path(os.path.realpath(path))
+    path = Path(path)
     if path.is_dir():
         raise FileError(f"{path} is a folder; a file is wanted")
     if path.exists() and not path.is_file():
         with reported(path), open(path, "wb") as file:
             yield file
         return
+    path = Path(os.path.realpath(path))
     if not path.parent.is_dir():
         raise FileError(f"there is no folder {path.parent}")
     with reported(path):

@@ -317,7 +317,7 @@ def write_pck(path, rows, body_id, segment, spacing_error, tolerance):
     """Whether it was written, and what there is to say of it. The tolerance, if it is None, is 1e-9 rad, or for a fast
     body what ET in doubles can tell."""
     if tolerance is None:
-        tolerance = max(1e-9, 2 * rows.resolution_rad)
+        tolerance = max(1e-9, 4 * rows.resolution_rad)
     if spacing_error is None:
         return False, f"no binary PCK: its rows must be equally spaced, {2 * HERMITE_ROWS - 1} or more"
     if spacing_error >= tolerance:
@@ -331,9 +331,10 @@ def write_pck(path, rows, body_id, segment, spacing_error, tolerance):
     of_pole = f"the body's z axis comes within {distance:.2g} rad of the line of the poles of {rows.frame}"
     if distance < 1e-2:
         return False, f"no binary PCK: {of_pole}, where its angles are singular; the CK holds everywhere"
-    coefficients, length, error = chebyshev_pieces(rows, tolerance - spacing_error)
-    if error > tolerance - spacing_error:
-        return False, (f"no binary PCK: its polynomials reach {error + spacing_error:.2g} rad, not {tolerance:.2g} rad "
+    other_errors = spacing_error + rows.resolution_rad  # SPICE rounds ET on its way
+    coefficients, length, error = chebyshev_pieces(rows, tolerance - other_errors)
+    if error > tolerance - other_errors:
+        return False, (f"no binary PCK: its polynomials reach {error + other_errors:.2g} rad, not {tolerance:.2g} rad "
                        f"({of_pole}, and turns by {rows.resolution_rad:.2g} rad from one double of ET to the next); "
                        "give a larger --tolerance, or use the CK")  # fmt: skip
     handle = spiceypy.pckopn(path, segment, 1000)
