@@ -175,10 +175,10 @@ std::optional<double> FitsTable::number(std::string_view keyword) const { return
 std::string FitsTable::unit(std::string_view keyword) const {
   const auto found = header_.find(keyword);
   if (found == header_.end()) return {};
-  const std::string_view card(found->second);
-  const std::size_t begin = card.find("/ ["), end = card.find(']', begin);
+  const std::string_view record(found->second);
+  const std::size_t begin = record.find("/ ["), end = record.find(']', begin);
   if (begin == std::string_view::npos || end == std::string_view::npos) return {};
-  return std::string(card.substr(begin + 3, end - begin - 3));
+  return std::string(record.substr(begin + 3, end - begin - 3));
 }
 
 std::optional<FitsTable::Column> FitsTable::column(std::string_view name, std::size_t width) const {
