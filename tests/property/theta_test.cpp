@@ -82,7 +82,7 @@ double momentum_error(const FreeState& a, const FreeState& b) {
 class Worst {
  public:
   void add(double error, int which) {
-    if (!(error <= worst_) && !std::isnan(worst_)) worst_ = error, which_ = which;
+    if (!(error <= worst_)) worst_ = error, which_ = which;
   }
   ~Worst() { EXPECT_LE(worst_, bound_) << "worst case " << which_; }
   explicit Worst(double bound) : bound_(bound) {}
@@ -465,7 +465,7 @@ TEST(ThetaProperty, TimesOfAllSizesInOneBatchAsInSingleCalls) {
       const ThetaMotion motion(b, ThetaMotion::Span::any, *targets[k]);
       std::vector<double> t(21);
       for (double& x : t) {
-        x = std::clamp(bodies.uniform(-1, 1) * std::pow(10.0, bodies.uniform(0, 20)) / fastest(b), -1e300, 1e300);
+        x = std::clamp(bodies.uniform(-1, 1) * std::pow(10.0, bodies.uniform(0, 22)) / fastest(b), -1e300, 1e300);
       }
       const Rows batch = rows(*targets[k], motion.solution(), t);
       for (std::size_t i = 0; i < t.size(); ++i) {
