@@ -76,10 +76,9 @@ Vector3 principal_moments(const std::array<double, 3>& I, const SourceLocation& 
   return {I[0], I[1], I[2]};
 }
 
-/// The torque of a `T` line.
-Torque torque(std::vector<std::string_view> words, const SourceLocation& where) {
+/// The torque of a `T` line, from the words behind the T.
+Torque torque(const std::vector<std::string_view>& words, const SourceLocation& where) {
   constexpr std::string_view kinds = "gravity-gradient, constant-body, linear-body";
-  words.erase(words.begin());
   if (words.empty()) throw InputError(where, fmt::format("found 'T' alone, a torque is wanted: {}", kinds));
   const std::string_view kind = words[0];
   if (kind == "gravity-gradient") {
@@ -144,7 +143,7 @@ CaseFile parse_case_file(std::string_view text, const std::string& path) {
     } else if (key == "t") {
       result.times_s.push_back(case_numbers<1>(words, where)[0]);
     } else if (key == "T") {
-      torques.push_back(checked_torque(words, where));
+      torques.push_back(checked_torque({words.begin() + 1, words.end()}, where));
     } else {
       throw InputError(where, fmt::format("found unknown key '{:.40}', allowed lines are {}", key, kLayout));
     }
