@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -50,6 +51,10 @@ std::function<Quaternion(Instant)> motion_of(const std::string& path, const Body
 }
 
 void run(const Options& options) {
+  const double tolerance_rad = options.tolerance.empty() ? HUGE_VAL : parse_angle_rad(options.tolerance);
+  if (!(tolerance_rad >= 0.0)) {
+    throw InputError(fmt::format("--tolerance is '{}', an angle of 0 or more is wanted", options.tolerance));
+  }
   const BodyAndHistory first = read_body_and_history(options.first), second = read_body_and_history(options.second);
   const std::optional<AttitudeHistory>&a = first.history, &b = second.history;
   if (!a && !b)
@@ -94,11 +99,6 @@ void run(const Options& options) {
   for (const std::optional<AttitudeHistory>* history : {&a, &b}) {
     if (!*history) continue;
     for (const std::string& warning : (*history)->warnings) say(warning);
-  }
-  if (options.tolerance.empty()) return;
-  const double tolerance_rad = parse_angle_rad(options.tolerance);
-  if (!(tolerance_rad >= 0.0)) {
-    throw InputError(fmt::format("--tolerance is '{}', an angle of 0 or more is wanted", options.tolerance));
   }
   if (d.largest_rad > tolerance_rad) {
     throw CheckFailed(

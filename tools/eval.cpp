@@ -32,7 +32,7 @@ std::unique_ptr<FreeMotion> make_free_motion(const Method& chosen, const FreeBod
     throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
   }
   if (!chosen.make_controlled) return chosen.make(body);
-  constexpr std::int64_t most_evaluations = 200'000'000;  // some seconds: what takes longer answers NaN
+  constexpr std::int64_t most_evaluations = 50'000'000;  // some seconds: what takes longer answers NaN
   return chosen.make_controlled(
       body, {.step_s = options.step_s, .tolerance = options.tolerance_rad, .max_evaluations = most_evaluations});
 }

@@ -24,7 +24,9 @@ struct PlanOptions {
 void print_plan(const PlanOptions& options) {
   const Scene scene = read_scene(options.scene_file);
   const FreeBody body = in_file(options.scene_file, [&] { return free_body(scene.body, scene.frame); });
-  const Plan plan = plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
+  const Plan plan = in_file(options.scene_file, [&] {
+    return plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
+  });
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch\naccuracy   {:.3g} rad\n",

@@ -227,8 +227,9 @@ void propagate(PropagateOptions options) {
   const Method& chosen = method(options.method);
   PlannedMotion planned;  // of a scene
   if (scene) {
-    const Plan plan =
-        plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
+    const Plan plan = in_file(options.body_file, [&] {
+      return plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
+    });
     planned = planned_motion(
         plan, free, scene->first_s, scene->last_s,
         options.most_evaluations.value_or(options.full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));

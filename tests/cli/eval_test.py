@@ -72,6 +72,18 @@ class Program(unittest.TestCase):
         self.assertIn("standard input:1: ", done.stderr)
         self.assertIn("allowed: TT", done.stderr)
 
+    def test_a_wrong_tolerance_is_refused_before_anything_is_said(self):
+        table = f"{DATA}/samples/attitude/spinner.csv"
+        for tolerance in ["1 x", "-1 rad", "nan rad"]:
+            done = run("compare", table, table, f"--tolerance={tolerance}")
+            self.assertEqual((done.returncode, done.stdout), (2, ""), tolerance)
+
+    def test_an_empty_list_of_dates_is_named(self):
+        pathlib.Path(self.case).write_text("# none\n")
+        done = run("propagate", f"{DATA}/bodies/toutatis.toml", "--times", self.case, "-o", self.case + ".csv")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn(f"{self.case}: the list holds no date", done.stderr)
+
     def test_wrong_usage_is_status_2(self):
         for arguments in [
             [],

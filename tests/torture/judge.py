@@ -213,8 +213,8 @@ def check_standard_output(command, text):
 
 def check_message(text, arguments_only):
     """Words for what is wrong with the message of a refusal."""
-    lines = text.splitlines()
-    if not lines:
+    lines = text.removesuffix("\n").split("\n")
+    if not text:
         return "no message"
     if arguments_only and "--help for more" in text:
         return None  # a wrong use of the command line

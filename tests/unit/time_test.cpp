@@ -154,9 +154,14 @@ TEST(Time, BadDatesAreRefused) {
                            "JD nan",
                            "12000-01-01",
                            "2000-01-01T12:00:00.5x",
-                           "JD 99999999999"}) {
+                           "JD 99999999999",
+                           "JD 981758",
+                           "MJD -678941.5",
+                           "MJD 2973484"}) {
     EXPECT_THROW(parse_date(text, TimeScale::tdb), InputError) << text;
   }
+  EXPECT_EQ(format_date(parse_date("MJD -678941", TimeScale::tdb), TimeScale::tdb, 0), "0000-01-01T00:00:00");
+  EXPECT_EQ(format_date(parse_date("MJD 2973483.5", TimeScale::tdb), TimeScale::tdb, 0), "9999-12-31T12:00:00");
   EXPECT_THROW(parse_date("2016-12-30T23:59:60", TimeScale::utc), InputError);
   EXPECT_THROW(parse_date_with_scale("2000-01-01T12:00:00"), InputError);
   EXPECT_THROW(parse_date_with_scale("2000-01-01T12:00:00 XYZ"), InputError);

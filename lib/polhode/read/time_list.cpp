@@ -94,6 +94,7 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
       throw InputError({path, line}, error.what());
     }
   }
+  if (instants.empty()) throw InputError({path, 0}, "the list holds no date");
   return instants;
 }
 

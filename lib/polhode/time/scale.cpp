@@ -238,6 +238,10 @@ Instant parse_julian(std::string_view text, std::string_view numbers, double zer
     fraction = fraction + Seconds{1.0, 0.0};
     day -= 1.0;
   }
+  constexpr double first_mjd = -678941.0, last_mjd = 2973483.0;  // 0000-01-01, 9999-12-31
+  if (!(first_mjd <= day && day <= last_mjd)) {
+    throw InputError(fmt::format("'{}' lies outside of the years 0000 to 9999", text));
+  }
   const double length = scale == TimeScale::utc ? utc_day(day).length_s : day_s;
   const Seconds second = exact_product(fraction.high, length) + Seconds{fraction.low * length, 0.0};
   return from_day(day, second, scale);
