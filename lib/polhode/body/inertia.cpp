@@ -63,7 +63,8 @@ void check_triangle(const Vector3& moments) {
 
 }  // namespace
 
-void check_principal_moments(const Vector3& I) {
+void check_principal_moments(const Vector3& principal_moments) {
+  const Vector3& I = principal_moments;
   if (!(0.0 < I[0] && I[0] <= I[1] && I[1] <= I[2] && I[2] <= std::numeric_limits<double>::max())) {
     throw InputError(fmt::format(
         "the principal moments are {}, {}, {}; positive finite ones in ascending order are wanted", I[0], I[1], I[2]));
@@ -76,7 +77,8 @@ void check(const Inertia& inertia) {
   check_principal_axes(inertia.named_from_principal);
 }
 
-void check_principal_axes(const Matrix3& R) {
+void check_principal_axes(const Matrix3& named_from_principal) {
+  const Matrix3& R = named_from_principal;
   if (!(R.allFinite() && R.determinant() > 0.0 && (R.transpose() * R).isIdentity(1e-9))) {
     throw InputError("the principal axes are not three right-handed axes of length 1 at right angles");
   }
