@@ -247,8 +247,9 @@ void propagate(PropagateOptions options) {
       throw InputError(fmt::format("--tolerance needs a promised error of the rows, which {} does not give ({})",
                                    account.method, account.error_meaning));
     }
-    return rows_for_tolerance(states, (start - body.state->epoch).high, (stop - body.state->epoch).high,
-                              parse_tolerance_rad(options.tolerance), *account.max_error_rad, format.interpolation);
+    return rows_for_tolerance(states, free.principal_moments, (start - body.state->epoch).high,
+                              (stop - body.state->epoch).high, parse_tolerance_rad(options.tolerance),
+                              *account.max_error_rad, format.interpolation);
   };
   const std::optional<std::string> caution = phase_warning(body);
   std::vector<Ephemeris> segments;

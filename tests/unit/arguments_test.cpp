@@ -422,9 +422,13 @@ TEST(Arguments, TimesAreChecked) {
   }
   const PrincipalMotion none = [](auto, auto, double*, double*) {};
   for (const double bad : {kNan, kInf}) {
-    EXPECT_THROW(rows_for_tolerance(none, 0.0, bad, 1e-3, 0.0, RowInterpolation::great_circle), InputError);
-    EXPECT_THROW(rows_for_tolerance(none, 0.0, 1.0, bad, 0.0, RowInterpolation::great_circle), InputError);
-    EXPECT_THROW(rows_for_tolerance(none, 0.0, 1.0, 1e-3, -bad, RowInterpolation::great_circle), InputError);
+    EXPECT_THROW(rows_for_tolerance(none, kBody.principal_moments, 0.0, bad, 1e-3, 0.0, RowInterpolation::great_circle),
+                 InputError);
+    EXPECT_THROW(rows_for_tolerance(none, kBody.principal_moments, 0.0, 1.0, bad, 0.0, RowInterpolation::great_circle),
+                 InputError);
+    EXPECT_THROW(
+        rows_for_tolerance(none, kBody.principal_moments, 0.0, 1.0, 1e-3, -bad, RowInterpolation::great_circle),
+        InputError);
   }
 }
 

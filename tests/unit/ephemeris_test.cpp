@@ -58,12 +58,13 @@ std::string content(const std::string& path) {
 
 constexpr double spin_rad_s = 0.01;
 
+const Vector3 kSpinnerMoments(1.0, 2.0, 3.0);
 /// A body that turns about its third principal axis, which stays along z of the state's frame; the angle is 0 at epoch.
 Body spinner(Instant epoch) {
   Body body;
   body.name = "spinner";
   body.source = "a test";
-  body.inertia = Inertia{Vector3(1.0, 2.0, 3.0), Matrix3::Identity(), true};
+  body.inertia = Inertia{kSpinnerMoments, Matrix3::Identity(), true};
   body.state = SpinState{epoch, TimeScale::tdb, Frame::icrf, Quaternion::Identity(), Vector3(0.0, 0.0, spin_rad_s)};
   return body;
 }
@@ -310,15 +311,42 @@ TEST(Text, RatesWithoutAValueAreRefused) {
 TEST(RowSpacing, TakesNoMoreRowsThanNeeded) {
   constexpr double span_s = 1000.0;
   const double turn_rad = spin_rad_s * span_s;
-  EXPECT_EQ(rows_for_tolerance(spin, 0.0, span_s, 1e-9, 0.0, RowInterpolation::great_circle),
+  EXPECT_EQ(rows_for_tolerance(spin, kSpinnerMoments, 0.0, span_s, 1e-9, 0.0, RowInterpolation::great_circle),
             std::ceil(1.1 * turn_rad * (1 + 1e-9)) + 1);
-  const std::size_t coarse = rows_for_tolerance(spin, 0.0, span_s, 1e-4, 0.0, RowInterpolation::lagrange_degree_7);
-  const std::size_t fine = rows_for_tolerance(spin, 0.0, span_s, 1e-8, 0.0, RowInterpolation::lagrange_degree_7);
+  const std::size_t coarse =
+      rows_for_tolerance(spin, kSpinnerMoments, 0.0, span_s, 1e-4, 0.0, RowInterpolation::lagrange_degree_7);
+  const std::size_t fine =
+      rows_for_tolerance(spin, kSpinnerMoments, 0.0, span_s, 1e-8, 0.0, RowInterpolation::lagrange_degree_7);
   EXPECT_GT(fine, 2 * coarse);
   EXPECT_LT(fine, 6 * coarse);  // order 8: 1e4 in accuracy is a factor 3.2
-  EXPECT_EQ(rows_for_tolerance(spin, 5.0, 5.0, 1e-9, 0.0, RowInterpolation::great_circle), 1U);
-  EXPECT_THROW(rows_for_tolerance(spin, 0.0, span_s, 0.0, 0.0, RowInterpolation::great_circle), InputError);
-  EXPECT_THROW(rows_for_tolerance(spin, span_s, 0.0, 1e-9, 0.0, RowInterpolation::great_circle), InputError);
+  EXPECT_EQ(rows_for_tolerance(spin, kSpinnerMoments, 5.0, 5.0, 1e-9, 0.0, RowInterpolation::great_circle), 1U);
+  EXPECT_THROW(rows_for_tolerance(spin, kSpinnerMoments, 0.0, span_s, 0.0, 0.0, RowInterpolation::great_circle),
+               InputError);
+  EXPECT_THROW(rows_for_tolerance(spin, kSpinnerMoments, span_s, 0.0, 1e-9, 0.0, RowInterpolation::great_circle),
+               InputError);
+}
+
+/// However fast the body, and however coarse the tolerance: at half a turn and more a reader takes the wrong way.
+TEST(RowSpacing, IsByTheBodysOwnRate) {
+  for (const double rate_rad_s : {0.1, 3.1e3, 2e3 * std::numbers::pi, 1e9}) {
+    const PrincipalMotion fast = [rate_rad_s](std::span<const double> high, std::span<const double> low, double* q,
+                                              double* m) {
+      for (std::size_t i = 0; i < high.size(); ++i) {
+        const double half = 0.5 * rate_rad_s * (high[i] + low[i]);
+        Eigen::Map<Eigen::Vector4d>(q + 4 * i) << std::cos(half), 0.0, 0.0, std::sin(half);
+        Eigen::Map<Vector3>(m + 3 * i) = 3.0 * rate_rad_s * Vector3::UnitZ();
+      }
+    };
+    const double turned_rad = 777.7, span_s = turned_rad / rate_rad_s;
+    for (const RowInterpolation interpolation : {RowInterpolation::great_circle, RowInterpolation::lagrange_degree_7}) {
+      for (const double tolerance_rad : {0.5, 1.0, 3.0}) {
+        EXPECT_GE(rows_for_tolerance(fast, kSpinnerMoments, 0.0, span_s, tolerance_rad, 0.0, interpolation), turned_rad)
+            << rate_rad_s << " " << tolerance_rad;
+      }
+    }
+    EXPECT_THROW(rows_for_tolerance(fast, kSpinnerMoments, 0.0, 1e40, 1.0, 0.0, RowInterpolation::great_circle),
+                 InputError);
+  }
 }
 
 TEST(OutputFile, AppearsWholeOrNotAtAll) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/body/inertia.hpp"
 
 namespace polhode {
 namespace {
@@ -86,8 +87,9 @@ class Gauge {
 
 }  // namespace
 
-std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, double last_s, double tolerance_rad,
-                               double rows_error_rad, RowInterpolation interpolation) {
+std::size_t rows_for_tolerance(const PrincipalMotion& motion, const Vector3& principal_moments, double first_s,
+                               double last_s, double tolerance_rad, double rows_error_rad,
+                               RowInterpolation interpolation) {
   if (!(tolerance_rad > 0.0) || !std::isfinite(tolerance_rad)) {
     throw InputError(fmt::format("the tolerance is {} rad; it must be positive", tolerance_rad));
   }
@@ -103,6 +105,7 @@ std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, do
   if (!std::isfinite(span_s))
     throw InputError(fmt::format("the span is {} s to {} s; it must be finite", first_s, last_s));
   if (!motion) throw InputError("rows are asked for of no motion");
+  check_principal_moments(principal_moments);
   if (!(span_s >= 0.0)) throw InputError(fmt::format("stop is {} s before start; it must not be", -span_s));
   if (span_s == 0.0) return 1;
   const bool circle = interpolation == RowInterpolation::great_circle;
@@ -135,23 +138,24 @@ std::size_t rows_for_tolerance(const PrincipalMotion& motion, double first_s, do
     return worst;
   };
 
-  // A thousand looks at the turn per second bound the gaps from below.
+  // The rate, at a thousand instants, bounds the gaps from below: the error alone would be small again after a turn.
+  constexpr std::size_t probes = 1000;
+  std::vector<double> at(probes), low(probes), q(4 * probes), m(3 * probes);
+  for (std::size_t i = 0; i < probes; ++i) at[i] = std::lerp(first_s, last_s, static_cast<double>(i) / (probes - 1));
+  motion(at, low, q.data(), m.data());
   double fastest_rad_s = 0.0;
-  constexpr int probes = 1000;
-  for (int i = 0; i < probes; ++i) {
-    const double at = first_s + span_s * i / probes;
-    constexpr double small = 1e-3;
-    const double shift = std::min(span_s, small);
-    std::array<double, 2> times{at, at + shift};
-    std::array<double, 2> low{};
-    std::array<double, 8> q{};
-    std::array<double, 6> m{};
-    motion(times, low, q.data(), m.data());
-    const double turn = rotation_angle_rad(from_scalar_first(Eigen::Map<const Eigen::Vector4d>(q.data())),
-                                           from_scalar_first(Eigen::Map<const Eigen::Vector4d>(q.data() + 4)));
-    fastest_rad_s = std::max(fastest_rad_s, turn / shift);
+  for (std::size_t i = 0; i < probes; ++i) {
+    const double rate_rad_s = Eigen::Map<const Vector3>(&m[3 * i]).cwiseQuotient(principal_moments).stableNorm();
+    if (!(rate_rad_s <= fastest_rad_s)) fastest_rad_s = rate_rad_s;  // keeps a NaN
   }
   double gaps = std::max({std::ceil(1.1 * fastest_rad_s * span_s), static_cast<double>(window_rows - 1), 1.0});
+  if (!(gaps <= most_gaps)) {
+    throw InputError(
+        fmt::format("the body turns by {:.3g} rad between start and stop; rows 1 rad apart are needed at the least, "
+                    "and there may be "
+                    "{:g} rows: take a shorter span",
+                    fastest_rad_s * span_s, most_gaps));
+  }
   const double fewest = gaps;
   // Up by the order of the interpolation until it holds; then down again as long as it does, in finer steps.
   double error = worst_error(gaps);
