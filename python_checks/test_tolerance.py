@@ -1,5 +1,7 @@
 """--tolerance: the file read back by its own format's readers, interpolated as they do, against a dense table."""
 
+import json
+
 import numpy as np
 import pytest
 from aem_reader import read
@@ -47,6 +49,29 @@ def test_lagrange_through_aem_by_brahe(tmp_path, body, stop, days, tolerance):
     matrices = np.array([trajectory.rotation_matrix(start + float(time[i] - time[0])).to_matrix() for i in picked])
     errors = (Rotation.from_matrix(matrices.transpose(0, 2, 1)).inv() * truth[picked]).magnitude()
     assert_within(errors, float(tolerance))
+
+
+@pytest.mark.parametrize("tolerance", ["0.3", "1e-4", "1e-8"])
+@pytest.mark.parametrize("body, stop", [(TOUTATIS, "+60 d"), (APOPHIS, "+30 d"), (T_HANDLE, "+20 s")])
+def test_our_own_reader_keeps_what_a_message_promises(tmp_path, body, stop, tolerance):
+    out = propagate(body, tmp_path / "a.aem", "--stop", stop, "--tolerance", tolerance, "--scale", "TT")
+    again = propagate(out, tmp_path / "between.aem", "--count", "3001", "--attitude-type", "QUATERNION")
+    difference = json.loads(run("compare", again, body, "--json").stdout)
+    assert difference["rows_compared"] == 3001
+    assert 0 < difference["largest_rad"] <= float(tolerance)
+
+
+def test_rows_of_a_fast_body_are_not_half_a_turn_apart(tmp_path):
+    fast = tmp_path / "fast.toml"
+    fast.write_text(
+        "name = 'fast'\nsource = 'none'\n[inertia]\nmoments = [1.0, 2.0, 2.5]\nunit = 'kg m2'\n"
+        "[state]\nepoch = '2000-01-01T00:00:00 TDB'\nframe = 'ICRF'\n"
+        "[state.attitude]\nq_frame_from_body_scalar_first = [1.0, 0.0, 0.0, 0.0]\n"
+        "[state.angular_velocity]\ncomponents = [10.0, 20.0, 6283.1]\naxes = 'body'\nunit = 'rad/s'\n"
+    )
+    out = propagate(fast, tmp_path / "a.fits", "--stop", "+0.5 s", "--tolerance", "1.5")
+    q = np.asarray(Table.read(out, 1)["QPARAM"])
+    assert len(q) > 6283.1 * 0.5
 
 
 @pytest.mark.parametrize(

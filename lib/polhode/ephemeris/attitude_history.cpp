@@ -190,7 +190,6 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   const double x = (time - rows[left].time).high / span_s;
   const bool rates = segment.has_rates();
   const Passage passage(rows[left], rows[right]);
-  const Quaternion base = rows[left].q_frame_from_body;
   AttitudeSample out;
   out.time = time;
 
@@ -198,14 +197,20 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   const bool use_rates = rates && segment.method == AttitudeInterpolation::hermite;
   std::size_t count = use_rates ? (std::min(degree, 2 * most_nodes) + 1) / 2 : std::min(degree, most_nodes) + 1;
   count = std::clamp<std::size_t>(count, 2, std::min(most_nodes, rows.size()));
-  if (segment.method == AttitudeInterpolation::linear || (count == 2 && !use_rates)) {
+  Quaternion base = rows[left].q_frame_from_body;
+  if (segment.method == AttitudeInterpolation::linear) {
     out.q_frame_from_body = (base * passage.rotation(x)).normalized();
     out.omega_body_rad_s = rate_near(rows, right, time).value_or(passage.rate(x) / span_s);
     return out;
   }
 
-  // Components relative to a steady rotation: they stay near (0, 0, 0, 1), whatever the number of turns.
-  const Vector3 turn = rates ? passage.turn : passage.rest;
+  // With rates, components relative to a steady rotation: they stay near (0, 0, 0, 1), whatever the number of turns.
+  // Without, those of the quaternion, as a file's writer means them that promises an error.
+  Vector3 turn = passage.turn;
+  if (!use_rates) {
+    turn = Vector3::Zero();
+    base = Quaternion::Identity();
+  }
   const std::size_t first = std::min(right > count / 2 ? right - count / 2 : 0, rows.size() - count);
   std::vector<double> nodes;
   std::vector<Vector4> values;
@@ -214,23 +219,29 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
     const double node = (rows[i].time - rows[left].time).high / span_s;
     Quaternion p = (base * from_rotation_vector(node * turn)).conjugate() * rows[i].q_frame_from_body;
     if (p.w() < 0.0) p.coeffs() *= -1.0;
-    nodes.push_back(node);
     values.push_back(components(p));
-    if (use_rates) {
-      // q = r p with r' = r turn/2 and q' = q omega/2: p' = (p omega - turn p) / 2, per unit of x.
-      Quaternion omega;
-      omega.w() = 0.0;
-      omega.vec() = span_s * rows[i].omega_body_rad_s.value();
-      Quaternion steady;
-      steady.w() = 0.0;
-      steady.vec() = turn;
-      slopes.push_back(0.5 * (components(p * omega) - components(steady * p)));
-    }
+    // q = r p with r' = r turn/2 and q' = q omega/2: p' = (p omega - turn p) / 2, per unit of x.
+    Quaternion omega;
+    omega.w() = 0.0;
+    omega.vec() = span_s * rows[i].omega_body_rad_s.value();
+    Quaternion steady;
+    steady.w() = 0.0;
+    steady.vec() = turn;
+    slopes.push_back(0.5 * (components(p * omega) - components(steady * p)));
   }
   const auto [value, slope] = newton(nodes, values, slopes).at(x);
   const Quaternion p = of_components(value);
+  Quaternion before_it = rows[first].q_frame_from_body;  // with the sign that leads on
   out.q_frame_from_body = (base * from_rotation_vector(x * turn) * p).normalized();
   const Quaternion unit = p.normalized();
+    nodes.push_back(node);
+    if (!use_rates) {
+      Quaternion q = rows[i].q_frame_from_body;
+      if (i > first && (before_it * Passage(rows[i - 1], rows[i]).rotation(1.0)).dot(q) < 0.0) q.coeffs() *= -1.0;
+      values.push_back(components(q));
+      before_it = q;
+      continue;
+    }
   const Vector3 rate = unit.conjugate() * turn + 2.0 * (unit.conjugate() * of_components(slope / p.norm())).vec();
   out.omega_body_rad_s = rate_near(rows, right, time).value_or(rate / span_s);
   return out;

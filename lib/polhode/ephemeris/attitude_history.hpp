@@ -67,11 +67,13 @@ struct AttitudeHistory {
 
 /// Attitude and rate at an instant within the rows of a segment, by its method and degree:
 /// - LINEAR leads from row to row by the shortest rotation, below 180 deg, at a constant rate. With rates it is the
-/// mean
-///   of the two rows' rates, of any number of turns, with what lacks to the next row spread over the way.
-/// - LAGRANGE of degree n is the polynomial of degree n through the n + 1 rows around the instant, in the components of
-///   the quaternion relative to that steady rotation (its mean rate, or without rates the shortest). HERMITE of degree
-///   n fits the rates as well, with (n + 1) / 2 rows; without rates it is LAGRANGE. Fewer rows if the segment is short.
+///   mean of the two rows' rates, of any number of turns, with what lacks to the next row spread over the way.
+/// - LAGRANGE of degree n is the polynomial of degree n through the n + 1 rows around the instant in each component of
+///   the quaternion, then unit length: what an error that a file promises for it is about. The signs are those of the
+///   shortest rotations, or with rates of the turns that they tell.
+/// - HERMITE of degree n fits the rates as well, with (n + 1) / 2 rows, in the components of the quaternion relative to
+///   a steady rotation at the mean rate, of any number of turns; without rates it is LAGRANGE.
+/// Fewer rows if the segment is short.
 ///
 /// Rows are met exactly, and within a nanosecond of one the rate is the row's; elsewhere it is the derivative of the
 /// attitude. `time` more than 1 us outside of the rows (two files round one time differently): InputError.
