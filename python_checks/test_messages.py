@@ -38,6 +38,18 @@ def test_euler_angles_of_an_apm():
     assert np.max(np.abs(q - wanted)) < 1e-15
 
 
+def test_segments_that_hold_at_one_time_are_not_compared(tmp_path):
+    path = CCSDS / "valid/AEMExample14.txt"
+    for command in (("compare", path, path), ("propagate", path, "-o", tmp_path / "out.aem")):
+        result = run(*command, check=False)
+        assert result.returncode == 2 and result.stdout == ""
+        assert "segments 1 and 2" in result.stderr and "USEABLE_STOP_TIME" in result.stderr
+    spans = ("--start", "+0 d", "--stop", "+2 d", "--start", "+1 d", "--stop", "+2 d", "--count", "5")
+    result = run("propagate", TOUTATIS, "-o", tmp_path / "out.aem", *spans, check=False)
+    assert result.returncode == 2 and "segments 1 and 2 both hold from" in result.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_compare_reads_what_propagate_writes(tmp_path):
     options = ("--stop", "+20 d", "--count", "200")
     files = [propagate(TOUTATIS, tmp_path / f"t.{ending}", *options) for ending in ("fits", "aem", "xml", "ecsv")]

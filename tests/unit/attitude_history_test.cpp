@@ -234,6 +234,74 @@ TEST(Resample, NothingLiesOutsideOfASegment) {
   EXPECT_EQ(fault(wanted).substr(0, 12), "no row of th");
 }
 
+/// The polynomials of the components, by their definition: what a promise for LAGRANGE in a file is about.
+TEST(Resample, LagrangeIsOfTheQuaternionsComponents) {
+  for (const bool rates : {false, true}) {
+    const AttitudeHistory history = coning(AttitudeInterpolation::lagrange, 7, rates, 1.1, 30);
+    WantedTimes wanted;
+    wanted.step = Seconds{0.17, 0.0};
+    const Ephemeris out = resample(history, wanted, TimeScale::utc, std::nullopt).at(0);
+    const AttitudeBlock block = rows_of(out);
+    for (std::size_t i = 0; i < block.rows; ++i) {
+      const double position = elapsed(out, block, i) / 1.1;
+      const double first = std::clamp(std::floor(position) - 3.0, 0.0, 22.0);
+      Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+      for (int k = 0; k < 8; ++k) {
+        double weight = 1.0;
+        for (int l = 0; l < 8; ++l) {
+          if (l != k) weight *= (position - first - l) / (k - l);
+        }
+        sum += weight * coning_attitude((first + k) * 1.1).coeffs();
+      }
+      EXPECT_LE(rotation_angle_rad(attitude(block, i), Quaternion(sum).normalized()), 1e-12) << position;
+    }
+  }
+}
+
+std::string overlap_of(const AttitudeHistory& history) {
+  for (const bool compared : {true, false}) {
+    try {
+      if (compared) {
+        compare(history, history);
+      } else {
+        resample(history, {}, TimeScale::utc, std::nullopt);
+      }
+      return "accepted";
+    } catch (const InputError& error) {
+      if (!compared) return error.what();
+    }
+  }
+  return "";
+}
+
+TEST(Segments, MayShareAnInstantAtMost) {
+  AttitudeHistory history = coning(AttitudeInterpolation::linear, 1, true, 1.0, 11);
+  history.segments.push_back(history.segments[0]);
+  EXPECT_EQ(overlap_of(history),
+            "segments 1 and 2 of the attitude history both hold from 2020-01-01T00:00:00.000 to "
+            "2020-01-01T00:00:10.000 UTC; segments may share an instant at most: USEABLE_START_TIME and "
+            "USEABLE_STOP_TIME say where each is to be used");
+  // The second 2 s later, and turned: the rows of each beyond its usable span do not count.
+  for (AttitudeSample& row : history.segments[1].samples) {
+    row.time = row.time + Seconds{2.0, 0.0};
+    row.q_frame_from_body = row.q_frame_from_body * about(Vector3::UnitY(), 1.0);
+  }
+  EXPECT_EQ(overlap_of(history).substr(0, 14), "segments 1 and");
+  history.segments[0].usable_stop = at(6.0);
+  history.segments[1].usable_start = at(5.5);
+  EXPECT_EQ(overlap_of(history).substr(0, 14), "segments 1 and");
+  history.segments[1].usable_start = at(6.0);
+  EXPECT_EQ(overlap_of(history), "accepted");
+  const AttitudeDifference same = compare(history, history);
+  EXPECT_EQ(same.compared, 14U);  // 0 to 6 s and 6 to 12 s
+  EXPECT_LE(same.largest_rad, 1e-14);
+  // A third, not beside the first by its begin.
+  history.segments.push_back(history.segments[0]);
+  history.segments[1].usable_start = history.segments[1].usable_stop = at(3.0);
+  history.segments[2].usable_start = at(4.0);
+  EXPECT_EQ(overlap_of(history).substr(0, 18), "segments 1 and 3 o");
+}
+
 TEST(Resample, WhatCannotBeDone) {
   AttitudeHistory history = coning(AttitudeInterpolation::linear, 1, false, 1.0, 3);
   history.segments[0].frame = "LVLH";

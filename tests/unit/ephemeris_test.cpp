@@ -308,6 +308,47 @@ TEST(Text, RatesWithoutAValueAreRefused) {
 }
 
 // A constant rate is a great circle: a row each radian will do. One that a polynomial has to follow needs more.
+TEST(Aem, SegmentsShareAnInstantAtMost) {
+  const Folder folder;
+  const auto span = [](const char* first, const char* last) {
+    return spinning(TimeGrid::with_count(tdb(first), tdb(last), 11, TimeScale::tdb));
+  };
+  const std::string file = folder.file("a.aem");
+  const std::vector<Ephemeris> apart{span("2001-01-01T00:00:00", "2001-01-02T00:00:00"),
+                                     span("2000-12-31T00:00:00", "2001-01-01T00:00:00")};
+  EXPECT_NO_THROW(write_aem(file, apart));
+  fs::remove(file);
+  const std::vector<Ephemeris> together{apart[0], apart[1], span("2001-01-01T12:00:00", "2001-01-01T13:00:00")};
+  try {
+    write_aem(file, together);
+    ADD_FAILURE() << "written";
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              "segments 1 and 3 both hold from 2001-01-01T12:00:00.000 to 2001-01-01T13:00:00.000 TDB; segments of an "
+              "AEM may share an instant at most: let each span begin where another ends, or later");
+  }
+  EXPECT_EQ(folder.files(), 0);
+}
+
+TEST(Text, TheDesignationOfTheBodyIsWritten) {
+  const Folder folder;
+  Ephemeris ephemeris = spinning(TimeGrid::with_count(tdb("2000-01-01"), tdb("2000-01-03"), 3, TimeScale::tdb));
+  for (const std::string id : {"", "1998-067A"}) {
+    ephemeris.description().object_id = id;
+    TextTableOptions options;
+    options.kind = TextTableKind::ecsv;
+    write_text_table(folder.file("a.ecsv"), ephemeris, options);
+    write_fits(folder.file("a.fits"), ephemeris, {});
+    for (const char* name : {"a.ecsv", "a.fits"}) {
+      const std::string bytes = content(folder.file(name));
+      EXPECT_EQ(parse_attitude_history(bytes, name).value().object_id, id) << name;
+      EXPECT_EQ(bytes.find(id.empty() ? "object_id" : "1998-067A") != std::string::npos, !id.empty()) << name;
+    }
+    fs::remove(folder.file("a.ecsv"));
+    fs::remove(folder.file("a.fits"));
+  }
+}
+
 TEST(RowSpacing, TakesNoMoreRowsThanNeeded) {
   constexpr double span_s = 1000.0;
   const double turn_rad = spin_rad_s * span_s;

@@ -142,20 +142,39 @@ Instant AttitudeSegment::last() const {
   return usable_stop && *usable_stop < rows ? *usable_stop : rows;
 }
 
+bool AttitudeSegment::is_usable_at(Instant time) const {
+  return !(time + rounding < first()) && !(last() + rounding < time);
+}
+
 std::size_t AttitudeHistory::rows() const {
   std::size_t sum = 0;
   for (const AttitudeSegment& s : segments) sum += s.samples.size();
   return sum;
 }
 
-const AttitudeSegment* AttitudeHistory::segment_at(Instant time) const {
-  const AttitudeSegment* fallback = nullptr;
-  for (const AttitudeSegment& s : segments) {
-    if (!holds(s, time)) continue;
-    if ((!s.usable_start || !(time < *s.usable_start)) && (!s.usable_stop || !(*s.usable_stop < time))) return &s;
-    if (fallback == nullptr) fallback = &s;
+void refuse_overlaps(const AttitudeHistory& history) {
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < history.segments.size(); ++i) {
+    const AttitudeSegment& s = history.segments[i];
+    if (!(s.last() < s.first())) order.push_back(i);  // else nothing of it can be used
   }
-  return fallback;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return history.segments[a].first() < history.segments[b].first();
+  });
+  for (std::size_t i = 1, farthest = 0; i < order.size(); ++i) {
+    const AttitudeSegment &one = history.segments[order[farthest]], &other = history.segments[order[i]];
+    const Instant stop = std::min(one.last(), other.last());
+    const bool twice = one.first() == other.first() && one.last() == other.last();
+    if (twice || other.first() + rounding < stop) {
+      const auto date = [&](Instant time) { return format_date(time, history.scale, 3); };
+      throw InputError(fmt::format(
+          "segments {} and {} of the attitude history both hold from {} to {} {}; segments may share an instant at "
+          "most: USEABLE_START_TIME and USEABLE_STOP_TIME say where each is to be used",
+          std::min(order[farthest], order[i]) + 1, std::max(order[farthest], order[i]) + 1, date(other.first()),
+          date(stop), name(history.scale)));
+    }
+    if (one.last() < other.last()) farthest = i;
+  }
 }
 
 const AttitudeSegment& checked(const AttitudeSegment& segment) {
@@ -215,8 +234,17 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   std::vector<double> nodes;
   std::vector<Vector4> values;
   std::vector<Vector4> slopes;
+  Quaternion before_it = rows[first].q_frame_from_body;  // with the sign that leads on
   for (std::size_t i = first; i < first + count; ++i) {
     const double node = (rows[i].time - rows[left].time).high / span_s;
+    nodes.push_back(node);
+    if (!use_rates) {
+      Quaternion q = rows[i].q_frame_from_body;
+      if (i > first && (before_it * Passage(rows[i - 1], rows[i]).rotation(1.0)).dot(q) < 0.0) q.coeffs() *= -1.0;
+      values.push_back(components(q));
+      before_it = q;
+      continue;
+    }
     Quaternion p = (base * from_rotation_vector(node * turn)).conjugate() * rows[i].q_frame_from_body;
     if (p.w() < 0.0) p.coeffs() *= -1.0;
     values.push_back(components(p));
@@ -231,17 +259,8 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   }
   const auto [value, slope] = newton(nodes, values, slopes).at(x);
   const Quaternion p = of_components(value);
-  Quaternion before_it = rows[first].q_frame_from_body;  // with the sign that leads on
   out.q_frame_from_body = (base * from_rotation_vector(x * turn) * p).normalized();
   const Quaternion unit = p.normalized();
-    nodes.push_back(node);
-    if (!use_rates) {
-      Quaternion q = rows[i].q_frame_from_body;
-      if (i > first && (before_it * Passage(rows[i - 1], rows[i]).rotation(1.0)).dot(q) < 0.0) q.coeffs() *= -1.0;
-      values.push_back(components(q));
-      before_it = q;
-      continue;
-    }
   const Vector3 rate = unit.conjugate() * turn + 2.0 * (unit.conjugate() * of_components(slope / p.norm())).vec();
   out.omega_body_rad_s = rate_near(rows, right, time).value_or(rate / span_s);
   return out;
@@ -297,24 +316,32 @@ std::optional<Quaternion> q_icrf_of(const AttitudeSegment& segment) {
 AttitudeDifference compare(const AttitudeHistory& a, const AttitudeHistory& b) {
   check_clock(a);
   check_clock(b);
+  refuse_overlaps(a);
+  refuse_overlaps(b);
   Statistics statistics;
   for (const AttitudeSegment& segment : a.segments) {
     const std::optional<Quaternion> q_a = q_icrf_of(segment);
     for (const AttitudeSample& row : segment.samples) {
-      const AttitudeSegment* other = b.segment_at(row.time);
-      if (other == nullptr) {
+      if (!segment.is_usable_at(row.time)) continue;
+      // Two segments may share an instant; one attitude in each.
+      std::optional<double> least_rad;
+      for (const AttitudeSegment& other : b.segments) {
+        if (!other.is_usable_at(row.time)) continue;
+        const std::optional<Quaternion> q_b = q_icrf_of(other);
+        const bool related = q_a && q_b;
+        if (!related && segment.frame != other.frame) {
+          throw InputError("the frames " + segment.frame + " and " + other.frame + " cannot be related");
+        }
+        const Quaternion of_b = interpolate(other, row.time).q_frame_from_body;
+        const double angle_rad = related ? rotation_angle_rad(*q_a * row.q_frame_from_body, *q_b * of_b)
+                                         : rotation_angle_rad(row.q_frame_from_body, of_b);
+        if (!least_rad || !(angle_rad >= *least_rad)) least_rad = angle_rad;
+      }
+      if (least_rad) {
+        statistics.add(*least_rad, row.time);
+      } else {
         statistics.skip();
-        continue;
       }
-      const std::optional<Quaternion> q_b = q_icrf_of(*other);
-      const bool related = q_a && q_b;
-      if (!related && segment.frame != other->frame) {
-        throw InputError("the frames " + segment.frame + " and " + other->frame + " cannot be related");
-      }
-      const Quaternion of_b = interpolate(*other, row.time).q_frame_from_body;
-      statistics.add(related ? rotation_angle_rad(*q_a * row.q_frame_from_body, *q_b * of_b)
-                             : rotation_angle_rad(row.q_frame_from_body, of_b),
-                     row.time);
     }
   }
   return statistics.finish();
@@ -322,11 +349,13 @@ AttitudeDifference compare(const AttitudeHistory& a, const AttitudeHistory& b) {
 
 AttitudeDifference compare(const AttitudeHistory& a, const std::function<Quaternion(Instant)>& q_icrf_from_body) {
   check_clock(a);
+  refuse_overlaps(a);
   Statistics statistics;
   for (const AttitudeSegment& segment : a.segments) {
     const std::optional<Quaternion> q_a = q_icrf_of(segment);
     if (!q_a) throw InputError("the frame " + segment.frame + " cannot be related to ICRF");
     for (const AttitudeSample& row : segment.samples) {
+      if (!segment.is_usable_at(row.time)) continue;
       statistics.add(rotation_angle_rad(*q_a * row.q_frame_from_body, q_icrf_from_body(row.time)), row.time);
     }
   }

@@ -45,6 +45,8 @@ struct AttitudeSegment {
   /// `last` is before `first` where the usable span holds no row and lies between none.
   Instant first() const;
   Instant last() const;
+  /// From first() to last(), within a microsecond: two files, or two scales, round the time of one row differently.
+  bool is_usable_at(Instant time) const;
 };
 
 /// An attitude given by rows.
@@ -60,10 +62,11 @@ struct AttitudeHistory {
   std::vector<std::string> warnings;
 
   std::size_t rows() const;
-
-  /// The segment to use at an instant: the first whose usable span holds it, else the first whose rows do, else null.
-  const AttitudeSegment* segment_at(Instant time) const;
 };
+
+/// Throws InputError, naming both, where two segments hold for a time, by their rows within their usable spans. They
+/// may share an instant.
+void refuse_overlaps(const AttitudeHistory& history);
 
 /// Attitude and rate at an instant within the rows of a segment, by its method and degree:
 /// - LINEAR leads from row to row by the shortest rotation, below 180 deg, at a constant rate. With rates it is the
@@ -95,9 +98,10 @@ struct AttitudeDifference {
   Instant time_of_largest;
 };
 
-/// The angle of the rotation between the attitudes of `a` and `b` at the times of a's rows. The body's axes are taken
-/// as the same; the reference frames are led to ICRF, or must have one name. Throws InputError if the frames cannot be
-/// related, a clock cannot be, or no row of `a` has a counterpart.
+/// The angle of the rotation between the attitudes of `a` and `b` at the times of a's rows within their usable spans;
+/// at an instant that two segments of `b` share, to the nearer. The body's axes are taken as the same; the reference
+/// frames are led to ICRF, or must have one name. Throws InputError if the frames cannot be related, a clock cannot be,
+/// no row of `a` has a counterpart, or for what refuse_overlaps() refuses.
 AttitudeDifference compare(const AttitudeHistory& a, const AttitudeHistory& b);
 
 /// The same against an attitude known at any time: v_icrf = q v_body q*.

@@ -13,10 +13,6 @@ namespace {
 /// Two files, or two scales, round the time of one row differently.
 constexpr Seconds time_rounding{1e-6, 0.0};
 
-bool usable_at(const AttitudeSegment& segment, Instant time) {
-  return !(time + time_rounding < segment.first()) && !(segment.last() + time_rounding < time);
-}
-
 /// The spans of the segments, for messages.
 std::string spans(const AttitudeHistory& history, TimeScale scale) {
   constexpr std::size_t most = 4;
@@ -32,7 +28,7 @@ std::string spans(const AttitudeHistory& history, TimeScale scale) {
 
 const AttitudeSegment& segment_of(const AttitudeHistory& history, Instant time, TimeScale scale) {
   for (const AttitudeSegment& s : history.segments) {
-    if (usable_at(s, time)) return s;
+    if (s.is_usable_at(time)) return s;
   }
   throw InputError(fmt::format("{} {} is outside of the attitude history, which can be used from {}",
                                format_date(time, scale, 3), name(scale), spans(history, scale)));
@@ -80,6 +76,7 @@ std::vector<Ephemeris> resample(const AttitudeHistory& history, const WantedTime
     throw InputError("the times of the attitude history are of a clock that cannot be related to a time scale");
   }
   for (const AttitudeSegment& segment : history.segments) checked(segment);
+  refuse_overlaps(history);
   std::vector<Ephemeris> out;
   const auto add = [&](const AttitudeSegment& segment, TimeGrid grid) {
     const bool own_rows = wanted.list.empty() && !wanted.step && wanted.count == 0;
@@ -89,7 +86,7 @@ std::vector<Ephemeris> resample(const AttitudeHistory& history, const WantedTime
     for (std::size_t i = 0; i < wanted.list.size();) {
       const AttitudeSegment& segment = segment_of(history, wanted.list[i], scale);
       const std::size_t begin = i;
-      while (i < wanted.list.size() && usable_at(segment, wanted.list[i])) ++i;
+      while (i < wanted.list.size() && segment.is_usable_at(wanted.list[i])) ++i;
       add(segment, TimeGrid::of_list(std::span(wanted.list).subspan(begin, i - begin), scale));
     }
     return out;

@@ -7,6 +7,8 @@
 #include <cctype>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "polhode/base/error.hpp"
 #include "polhode/write/date_text.hpp"
@@ -337,6 +339,37 @@ AdmVersion adm_version(std::string_view name) {
   throw InputError(fmt::format("ADM version '{}' is not one of 1.0, 2.0", name));
 }
 
+namespace {
+
+/// Readers could not tell which of two segments to take.
+void refuse_overlaps(std::span<const Ephemeris> segments) {
+  const auto end = [](const Ephemeris& segment, bool last) {
+    const TimeGrid& times = segment.times();
+    return times.instant(times.time(last ? times.size() - 1 : 0, {}));
+  };
+  std::vector<std::size_t> order(segments.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return end(segments[a], false) < end(segments[b], false); });
+  for (std::size_t i = 1, farthest = 0; i < order.size(); ++i) {
+    const Ephemeris &one = segments[order[farthest]], &other = segments[order[i]];
+    const Instant begin = end(other, false), stop = std::min(end(one, true), end(other, true));
+    const bool twice = begin == end(one, false) && end(one, true) == end(other, true);
+    constexpr Seconds rounding{1e-6, 0.0};  // scales round one instant differently
+    if (twice || begin + rounding < stop) {
+      const TimeScale scale = other.times().scale();
+      throw InputError(fmt::format(
+          "segments {} and {} both hold from {} to {} {}; segments of an AEM may share an instant at most: let each "
+          "span begin where another ends, or later",
+          std::min(order[farthest], order[i]) + 1, std::max(order[farthest], order[i]) + 1,
+          format_date(begin, scale, 3), format_date(stop, scale, 3), name(scale)));
+    }
+    if (end(one, true) < end(other, true)) farthest = i;
+  }
+}
+
+}  // namespace
+
 void write_aem(const std::string& path, std::span<const Ephemeris> segments, const AemOptions& options,
                const Progress& progress) {
   const Form& form = form_of(options.type);
@@ -355,6 +388,7 @@ void write_aem(const std::string& path, std::span<const Ephemeris> segments, con
       throw InputError("CCSDS knows no time scale ET; take TDB, or UTC, TAI, TT, GPS");
     }
   }
+  refuse_overlaps(segments);
   Writer writer(path, options, progress);
   writer.begin();
   for (const Ephemeris& ephemeris : segments) writer.segment(ephemeris);

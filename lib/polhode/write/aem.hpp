@@ -45,8 +45,9 @@ struct AemOptions {
 /// turned by +90 degrees about inertial z has Q1 Q2 Q3 QC = 0 0 0.7071 0.7071. Every number is the shortest text that
 /// reads back as the same double, and every row is computed at exactly the time that its text says.
 ///
-/// Throws InputError for a type or a time scale that the version has not, FileError, and what Ephemeris::fill and
-/// `progress` (which counts over all segments) throw; then there is no file.
+/// Throws InputError for a type or a time scale that the version has not, and for two segments that share more than an
+/// instant, FileError, and what Ephemeris::fill and `progress` (which counts over all segments) throw; then there is no
+/// file.
 void write_aem(const std::string& path, std::span<const Ephemeris> segments, const AemOptions& options = {},
                const Progress& progress = {});
 
