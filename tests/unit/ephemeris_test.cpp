@@ -18,6 +18,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
+#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/write/aem.hpp"
 #include "polhode/write/date_text.hpp"
 #include "polhode/write/fits.hpp"
@@ -57,8 +58,8 @@ std::string content(const std::string& path) {
 }
 
 constexpr double spin_rad_s = 0.01;
-
 const Vector3 kSpinnerMoments(1.0, 2.0, 3.0);
+
 /// A body that turns about its third principal axis, which stays along z of the state's frame; the angle is 0 at epoch.
 Body spinner(Instant epoch) {
   Body body;
@@ -307,7 +308,6 @@ TEST(Text, RatesWithoutAValueAreRefused) {
   EXPECT_EQ(folder.files(), 0);
 }
 
-// A constant rate is a great circle: a row each radian will do. One that a polynomial has to follow needs more.
 TEST(Aem, SegmentsShareAnInstantAtMost) {
   const Folder folder;
   const auto span = [](const char* first, const char* last) {
@@ -349,6 +349,7 @@ TEST(Text, TheDesignationOfTheBodyIsWritten) {
   }
 }
 
+// A constant rate is a great circle: a row each radian will do. One that a polynomial has to follow needs more.
 TEST(RowSpacing, TakesNoMoreRowsThanNeeded) {
   constexpr double span_s = 1000.0;
   const double turn_rad = spin_rad_s * span_s;

@@ -49,7 +49,7 @@ struct EphemerisDescription {
   std::string interpolation;                      ///< that interpolation, in words, where one is promised
   std::string ccsds_interpolation;                ///< INTERPOLATION_METHOD of CCSDS, empty: none is recommended
   int ccsds_interpolation_degree = 0;
-  std::string object_id;  ///< empty: as `object`
+  std::string object_id;  ///< designation; empty: none, OBJECT_ID of messages is `object`
   std::string body_axes;  ///< their name in messages; empty: SC_BODY_1, or BODY in FITS
 };
 

@@ -81,6 +81,7 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   history.object = table.text("OBJECT").value_or("");
   history.source = "FITS table ATTITUDE";
   history.inertia = inertia_of(table);
+  history.object_id = table.text("OBJECTID").value_or("");
   const std::optional<std::string> scale = table.text("TIMESYS");
   if (!scale) throw fail("TIMESYS is missing");
   try {
@@ -207,6 +208,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   history.object = meta("object");
   std::string frame_name = meta("frame_a");
   if (frame_name.empty()) {
+  history.object_id = meta("object_id");
     frame_name = "ICRF";
     history.warnings.push_back(path + ": a CSV table says no frame; ICRF is assumed");
   }

@@ -180,6 +180,7 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
   constexpr int decimals = 9;
   fits.announce_long_texts();
   fits.key("OBJECT", description.object, "body");
+  if (!description.object_id.empty()) fits.key("OBJECTID", description.object_id, "designation of the body");
   fits.key("CREATOR", creator(), "program that wrote this file");
   fits.key("DATE", creation_date(), "when written, UTC");
   fits.key("TIMESYS", std::string(name(times.scale())), "time scale of TIME and of DATE-BEG, DATE-END");

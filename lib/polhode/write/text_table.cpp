@@ -46,6 +46,7 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
     if (!value.empty()) out += fmt::format("# - {{{}: {}}}\n", key, value);
   };
   meta("object", yaml_quoted(description.object));
+  if (!description.object_id.empty()) meta("object_id", yaml_quoted(description.object_id));
   meta("creator", yaml_quoted(creator()));
   meta("created_utc", yaml_quoted(creation_date()));
   meta("frame_a", yaml_quoted(ephemeris.frame_name()));
