@@ -202,6 +202,13 @@ TEST(Invariants, ScalesDropOut) {
   }
 }
 
+TEST(Invariants, WhatDoublesDoNotHoldIsRefused) {
+  EXPECT_THROW(spin_invariants(inertia_of({1e-240, 1, 1}), {1, 2, 3}), InputError);
+  EXPECT_THROW(spin_invariants(inertia_of({1e308, 1e308, 1e308}), {1, 2, 3}), InputError);
+  EXPECT_THROW(spin_invariants(inertia_of({1, 2, 2.2}), {1e-310, 1e-312, 0}), InputError);
+  EXPECT_THROW(spin_invariants(inertia_of({1, 2, 2.2}), {0, 0, 1e308}), InputError);
+}
+
 TEST(Invariants, WhatIsMissingIsNamed) {
   Body body;
   EXPECT_THROW(momentum_principal(body), InputError);

@@ -65,10 +65,22 @@ void check_triangle(const Vector3& moments) {
 
 void check_principal_moments(const Vector3& principal_moments) {
   const Vector3& I = principal_moments;
-  if (!(0.0 < I[0] && I[0] <= I[1] && I[1] <= I[2] && I[2] <= std::numeric_limits<double>::max())) {
+  if (!(kLeastMagnitude <= I[0] && I[0] <= I[1] && I[1] <= I[2] && I[2] <= kGreatestMagnitude)) {
     throw InputError(fmt::format(
-        "the principal moments are {}, {}, {}; positive finite ones in ascending order are wanted", I[0], I[1], I[2]));
+        "the principal moments are {}, {}, {}; positive ones in ascending order from {:g} to {:g} are wanted", I[0],
+        I[1], I[2], kLeastMagnitude, kGreatestMagnitude));
   }
+  if (!(I[2] / kGreatestMomentRatio <= I[0])) {
+    throw InputError(fmt::format("the principal moments are {}, {}, {}; the largest may be {:g} times the smallest",
+                                 I[0], I[1], I[2], kGreatestMomentRatio));
+  }
+}
+
+void check_angular_momentum(const Vector3& momentum) {
+  const double length = momentum.stableNorm();
+  if (momentum.isZero(0.0) || (kLeastMagnitude <= length && length <= kGreatestMagnitude)) return;
+  throw InputError(fmt::format("the angular momentum is {}, {}, {}; 0, or one of a length from {:g} to {:g}, is wanted",
+                               momentum[0], momentum[1], momentum[2], kLeastMagnitude, kGreatestMagnitude));
 }
 
 void check(const Inertia& inertia) {

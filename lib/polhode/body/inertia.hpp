@@ -22,8 +22,16 @@ struct Inertia {
 /// computed tensors, not for moments printed with few digits.
 inline constexpr double triangle_tolerance = 1e-9;
 
-/// Throws InputError unless the moments are finite, positive and ascending.
+/// The moments and momenta that are computed with, in any unit: their squares are ordinary doubles.
+inline constexpr double kLeastMagnitude = 1e-152, kGreatestMagnitude = 1e152;
+/// The most that the largest moment may be of the smallest.
+inline constexpr double kGreatestMomentRatio = 1e100;
+
+/// Throws InputError unless the moments are positive, ascending, and within these limits.
 void check_principal_moments(const Vector3& principal_moments);
+
+/// Throws InputError unless the angular momentum is 0 or of a length within the limits.
+void check_angular_momentum(const Vector3& momentum);
 
 /// Throws InputError unless the columns are three right-handed axes of length 1 at right angles, within 1e-9.
 void check_principal_axes(const Matrix3& named_from_principal);

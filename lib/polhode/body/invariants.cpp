@@ -95,7 +95,7 @@ std::string_view name(RotationMode mode) {
 
 SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_principal) {
   check(inertia);
-  if (!momentum_principal.allFinite()) throw InputError("the angular momentum holds a number that is not finite");
+  check_angular_momentum(momentum_principal);
   SpinInvariants out;
   out.momentum = momentum_principal.stableNorm();
   if (out.momentum == 0.0) return out;

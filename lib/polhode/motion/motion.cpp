@@ -14,14 +14,11 @@ namespace polhode {
 const FreeBody& checked(const FreeBody& body) {
   check_principal_moments(body.principal_moments);
   const Quaternion& q = body.q_inertial_from_body;
-  const Vector3& m = body.momentum_body;
   if (!q.coeffs().allFinite() || q.coeffs().isZero(0.0)) {
     throw InputError(fmt::format("the attitude is {}, {}, {}, {}; a finite quaternion other than 0 is wanted", q.w(),
                                  q.x(), q.y(), q.z()));
   }
-  if (!m.allFinite()) {
-    throw InputError(fmt::format("the angular momentum is {}, {}, {}; a finite one is wanted", m[0], m[1], m[2]));
-  }
+  check_angular_momentum(body.momentum_body);
   return body;
 }
 

@@ -13,11 +13,12 @@ namespace polhode {
 
 /// A free rigid body at t = 0, in its principal axes. All numbers are taken as exact.
 struct FreeBody {
-  /// I1 <= I2 <= I3, positive and finite, any one unit.
+  /// I1 <= I2 <= I3, positive, any one unit, within the limits of check_principal_moments().
   Vector3 principal_moments;
   /// v_inertial = q v_body q*, any length but 0 (normalised exactly inside).
   Quaternion q_inertial_from_body;
-  /// Angular momentum in the principal axes, (unit of inertia) rad/s, finite. Zero is a body at rest.
+  /// Angular momentum in the principal axes, (unit of inertia) rad/s, within the limits of check_angular_momentum().
+  /// Zero is a body at rest.
   Vector3 momentum_body;
   /// The principal axes, as columns, in the axes that torques on the body are given in: v_named = R v_principal, as in
   /// Inertia. The free motion does not depend on it.

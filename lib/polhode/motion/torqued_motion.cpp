@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "polhode/base/error.hpp"
+#include "polhode/body/inertia.hpp"
 
 namespace polhode {
 namespace {
@@ -39,8 +40,11 @@ ExtendedState extended(const FreeState& state) {
   return {state.q_inertial_from_body.cast<long double>(), state.momentum_body.cast<long double>()};
 }
 
+/// A momentum that damping has made less than a FreeBody may have is none.
 FreeState plain(const ExtendedState& state) {
-  return {state.q_inertial_from_body.cast<double>(), state.momentum_body.cast<double>()};
+  FreeState rounded{state.q_inertial_from_body.cast<double>(), state.momentum_body.cast<double>()};
+  if (rounded.momentum_body.stableNorm() < kLeastMagnitude) rounded.momentum_body.setZero();
+  return rounded;
 }
 
 bool is_finite(const FreeState& state) {

@@ -10,6 +10,7 @@
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/fits_table.hpp"
+#include "polhode/read/range.hpp"
 #include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
@@ -67,6 +68,7 @@ std::optional<Inertia> inertia_of(const FitsTable& table) {
   try {
     Inertia inertia =
         inertia_from_moments({moments[0], moments[1], moments[2]}, table.unit("INERTIA1") == "kg m2");  // checks them
+    check_range(inertia);
     inertia.named_from_principal = q_named_from_principal.normalized().toRotationMatrix();
     return inertia;
   } catch (const InputError&) {
@@ -79,9 +81,9 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   const auto fail = [&path](const std::string& message) { return InputError({path, 0}, message); };
   AttitudeHistory history;
   history.object = table.text("OBJECT").value_or("");
+  history.object_id = table.text("OBJECTID").value_or("");
   history.source = "FITS table ATTITUDE";
   history.inertia = inertia_of(table);
-  history.object_id = table.text("OBJECTID").value_or("");
   const std::optional<std::string> scale = table.text("TIMESYS");
   if (!scale) throw fail("TIMESYS is missing");
   try {
@@ -206,9 +208,9 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     return yaml_quoted_value(text.substr(at + begin.size()));
   };
   history.object = meta("object");
+  history.object_id = meta("object_id");
   std::string frame_name = meta("frame_a");
   if (frame_name.empty()) {
-  history.object_id = meta("object_id");
     frame_name = "ICRF";
     history.warnings.push_back(path + ": a CSV table says no frame; ICRF is assumed");
   }
