@@ -82,9 +82,10 @@ class FreeMotion {
  public:
   virtual ~FreeMotion() = default;
 
-  /// State at t = high + low seconds. Where t is NaN, or infinite and the motion has no span, the attitude is NaN, and
-  /// so is the momentum unless it stays as it is; a motion that was made for a span throws InputError for other times
-  /// outside of it. Batches do the same.
+  /// State at t = high + low seconds. Of an exact motion it is a state of the body at any finite t, but its phase is
+  /// that of t only as far as the arithmetic goes (theta.md, Precision). Where t is NaN, or infinite and the motion has
+  /// no span, the attitude is NaN, and so is the momentum unless it stays as it is; a motion that was made for a span
+  /// throws InputError for other times outside of it. Batches do the same.
   virtual FreeState at(double t_high_s, double t_low_s = 0.0) const = 0;
 
   /// States at many times; the default calls at() for each. Allocates nothing.

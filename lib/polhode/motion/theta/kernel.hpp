@@ -71,6 +71,7 @@ struct Angle {
   typename BitsOf<V>::type quarter;
 };
 
+inline constexpr double kSafePeriods = 0x1p50;   // up to here the nearest whole number is the nearest, and odd or even
 inline constexpr double kSafeQuarters = 0x1p44;  // up to here t times the low part of a rate stays far below 1
 
 /// rate t + offset + whole in quarter turns, |offset| <= 1/2 in the most accurate case, whole an integer. The product
@@ -217,10 +218,22 @@ struct HyperbolicAt {
     V rest = multiply_add(t_high, all<V>(s.x_per_s.low), product_error(t_high, rate, product));
     rest = multiply_add(t_low, rate, rest) + s.x_at_0.low;
     const Pair<V> sum = two_sum(product, all<V>(s.x_at_0.high));
-    const V n = nearest_integer(sum.high * s.reciprocal_x_period);
-    return {product_minus(-n, all<V>(s.x_period.high), -sum.high) +
-                multiply_add(-n, all<V>(s.x_period.low), sum.low + rest),
-            n};
+    V n = nearest_integer(sum.high * s.reciprocal_x_period);
+    V x = product_minus(-n, all<V>(s.x_period.high), -sum.high) +
+          multiply_add(-n, all<V>(s.x_period.low), sum.low + rest);
+    if (any_above(magnitude(n), kSafePeriods)) [[unlikely]] {
+      // The whole number was rounded, by whole periods perhaps: reduce what it left. Of itself only the parity counts.
+      n = n - 2.0 * nearest_integer(n * 0.5);
+      for (int i = 0; i < 2; ++i) {
+        const V more = nearest_integer(x * s.reciprocal_x_period);
+        x = product_minus(-more, all<V>(s.x_period.high), -x) - more * s.x_period.low;
+        n = n + (more - 2.0 * nearest_integer(more * 0.5));
+      }
+      // Beyond any arithmetic: some state of the body.
+      const V half = all<V>(0.5 * s.x_period.high);
+      x = -smaller(-smaller(x, half), half);
+    }
+    return {x, n};
   }
   template <class V>
   [[gnu::always_inline]] Phases<V> phases(V t_high, V t_low) const {
