@@ -219,6 +219,10 @@ TEST(Arguments, OrbitsThatAreNoneAreRefused) {
   refused(kEarth, 7e6, 0.1, 0.0, {kNan, 0, 1}, z);
   refused(kEarth, 7e6, 0.1, 0.0, x, {0, 0, 0});
   refused(kEarth, 7e6, 0.1, 0.0, x, {0, kInf, 0});
+  refused(kEarth, 7e6, 0.1, 1.1e12, x, z);
+  refused(kEarth, 7e6, 0.1, -1e16, x, z);
+  refused(kEarth, 7e6, 0.1, 0.0, x, {3e-4, 0, 1});  // no right angle
+  EXPECT_NO_THROW(KeplerOrbit({kEarth, 7e6, 0.1, 1e12, 1e-200 * x, {1e-4, 0, 1}}));
   refused(kEarth, 5e-324, 0.1, 0.0, x, z);  // no double holds the distance squared
   EXPECT_TRUE(std::isnan(KeplerOrbit({kEarth, 7e6, 0.1, 0.0, x, z}).state(kNan).position_m[0]));
 

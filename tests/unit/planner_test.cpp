@@ -482,6 +482,59 @@ TEST(Scenes, RefuseTorquesThatMeanNothingAtTheirLine) {
   std::filesystem::remove(path);
 }
 
+TEST(Scenes, SayWhichElementOfAnOrbitIsWrongAtItsLine) {
+  const std::string path = ::testing::TempDir() + "polhode_scene_orbit_test.toml";
+  const std::string head = "name = 'x'\nsource = 'y'\nbody = '" POLHODE_DATA_DIR
+                           "/bodies/envisat.toml'\nframe = 'ICRF'\nafter = '1 d'\naccuracy = '1 deg'\n[orbit.earth]\n";
+  struct Element {
+    std::string key, right, wrong, message;
+  };
+  const std::vector<Element> elements{
+      {"mu_m3_s2", "3.986e14", "-1", "found -1, a positive number is wanted"},
+      {"periapsis_m", "7e6", "0", "the periapsis distance is 0, a positive number of m is wanted"},
+      {"eccentricity", "0.1", "-0.1", "the eccentricity is -0.1, 0 or more is wanted"},
+      {"periapsis_after_epoch_s", "0", "1e16",
+       "the time of periapsis is 1e+16 s, from -1e+12 s to 1e+12 s is wanted: of times much longer a double does not "
+       "hold the phase on an orbit"},
+      {"to_periapsis", "[1, 0, 0]", "[0, 0, 0]",
+       "the direction of periapsis is (0, 0, 0), a finite vector other than 0 is wanted"},
+      {"normal", "[0, 0, 1]", "[1, 0, 1]",
+       "the orbit normal (1, 0, 1) is 0.79 rad from a right angle to the direction of periapsis (1, 0, 0); at most "
+       "0.0002 rad is allowed, what four decimals hold"}};
+  for (std::size_t wrong = 0; wrong < elements.size(); ++wrong) {
+    std::string text = head;
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      text += elements[i].key + " = " + (i == wrong ? elements[i].wrong : elements[i].right) + "\n";
+    }
+    std::ofstream(path) << text;
+    try {
+      read_scene(path);
+      ADD_FAILURE() << elements[wrong].key << " is accepted";
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()), path + ":" + std::to_string(8 + wrong) + ": orbit.earth." +
+                                               elements[wrong].key + ": " + elements[wrong].message);
+    }
+  }
+  std::filesystem::remove(path);
+}
+
+TEST(Scenes, ALackOfSunlightIsLocatedOnce) {
+  const std::string path = ::testing::TempDir() + "polhode_scene_sunlight_test.toml";
+  std::ofstream(path) << "name = 'x'\nsource = 'y'\nbody = '" POLHODE_DATA_DIR
+                         "/bodies/envisat.toml'\nframe = 'ICRF'\nafter = '1 d'\naccuracy = '1 deg'\n"
+                         "[[torque]]\nkind = 'sunlight'\nmesh = '" POLHODE_DATA_DIR
+                         "/samples/mesh/box.obj'\nunit_m = 1\nspecular = 0\ndiffuse = 0\norbit = 'sun'\n"
+                         "centre_of_mass = 'mesh origin'\n";
+  try {
+    read_scene(path);
+    ADD_FAILURE();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()),
+              path + ":13: torque.orbit: found 'sun', but the scene has no table [orbit.sun]");
+  }
+  std::filesystem::remove(path);
+}
+
 TEST(Scenes, RefuseWhatTheyCannotMean) {
   const std::string path = ::testing::TempDir() + "polhode_scene_test.toml";
   const std::string head =

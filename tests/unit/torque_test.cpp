@@ -14,7 +14,7 @@ constexpr double kEarth = 3.986004418e14;
 using Extended = Vector3Of<long double>;
 
 KeplerElements elements(double periapsis_m, double eccentricity, double time_s = 0.0) {
-  return {kEarth, periapsis_m, eccentricity, time_s, {1, 2, -0.5}, {0.3, 0.1, 2}};
+  return {kEarth, periapsis_m, eccentricity, time_s, {1, 2, -0.5}, {0.5, 0, 1}};
 }
 
 /// The residual of the textbook equation that belongs to the eccentricity, in the time, relative to |t|: from a

@@ -50,6 +50,24 @@ Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, c
   return Trajectory(std::move(orbit));
 }
 
+std::string_view key_of(KeplerFault::Element element) {
+  switch (element) {
+    case KeplerFault::Element::mu:
+      return "mu_m3_s2";
+    case KeplerFault::Element::periapsis:
+      return "periapsis_m";
+    case KeplerFault::Element::eccentricity:
+      return "eccentricity";
+    case KeplerFault::Element::periapsis_time:
+      return "periapsis_after_epoch_s";
+    case KeplerFault::Element::to_periapsis:
+      return "to_periapsis";
+    case KeplerFault::Element::along_normal:
+      break;
+  }
+  return "normal";
+}
+
 Orbit read_orbit(const TomlTable& table, const std::string& name, const Scene& scene,
                  const std::filesystem::path& folder, const ContentOf& content_of) {
   const double mu_m3_s2 = table.number("mu_m3_s2");
@@ -62,7 +80,8 @@ Orbit read_orbit(const TomlTable& table, const std::string& name, const Scene& s
                                 table.number("periapsis_after_epoch_s"),
                                 table.vector3("to_periapsis"),
                                 table.vector3("normal")};
-  return {mu_m3_s2, table.located("mu_m3_s2", [&] { return Trajectory(elements); })};  // refuses what is no orbit
+  if (const auto fault = fault_of(elements)) throw table.error(key_of(fault->element), fault->message);
+  return {mu_m3_s2, table.located("periapsis_m", [&] { return Trajectory(elements); })};  // refuses what is no orbit
 }
 
 Orbits read_orbits(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder,
@@ -168,9 +187,9 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
     const Vector3 centre = centre_of_mass(table, mesh);
     for (Vector3& vertex : mesh.vertices) vertex = unit_m * (vertex - centre);
-    return table.located("specular", [&] {
-      return Sunlight(mesh, {table.number("specular"), table.number("diffuse")}, orbit_of(table, orbits).trajectory);
-    });
+    const double specular = table.number("specular"), diffuse = table.number("diffuse");
+    const Orbit& orbit = orbit_of(table, orbits);
+    return table.located("specular", [&] { return Sunlight(mesh, {specular, diffuse}, orbit.trajectory); });
   }
   throw table.error("kind",
                     fmt::format("found '{:.40}'; allowed: gravity gradient, constant, thruster pulse, linear damping, "

@@ -48,20 +48,50 @@ UniversalFunctions<Real> universal_functions(Real chi, Real alpha) {
 
 }  // namespace
 
-KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
-  const auto positive = [](const char* name, double value, const char* unit) {
-    if (!(value > 0.0) || !std::isfinite(value)) {
-      throw InputError(fmt::format("{} is {}, a positive number of {} is wanted", name, value, unit));
-    }
-  };
-  positive("mu", elements.mu_m3_s2, "m3/s2");
-  positive("the periapsis distance", elements.periapsis_m, "m");
-  if (!(elements.eccentricity >= 0.0) || !std::isfinite(elements.eccentricity)) {
-    throw InputError(fmt::format("the eccentricity is {}, 0 or more is wanted", elements.eccentricity));
+std::optional<KeplerFault> fault_of(const KeplerElements& elements) {
+  using Element = KeplerFault::Element;
+  const auto is_positive = [](double value) { return value > 0.0 && std::isfinite(value); };
+  if (!is_positive(elements.mu_m3_s2)) {
+    return KeplerFault{Element::mu, fmt::format("mu is {}, a positive number of m3/s2 is wanted", elements.mu_m3_s2)};
   }
-  check_finite("the time of periapsis", elements.periapsis_time_s);
-  check_finite("a component of the direction of periapsis", elements.to_periapsis);
-  check_finite("a component of the orbit normal", elements.along_normal);
+  if (!is_positive(elements.periapsis_m)) {
+    return KeplerFault{Element::periapsis, fmt::format("the periapsis distance is {}, a positive number of m is wanted",
+                                                       elements.periapsis_m)};
+  }
+  if (!(elements.eccentricity >= 0.0) || !std::isfinite(elements.eccentricity)) {
+    return KeplerFault{Element::eccentricity,
+                       fmt::format("the eccentricity is {}, 0 or more is wanted", elements.eccentricity)};
+  }
+  if (!(std::abs(elements.periapsis_time_s) <= kMostPeriapsisTime_s)) {
+    return KeplerFault{
+        Element::periapsis_time,
+        fmt::format("the time of periapsis is {} s, from {:g} s to {:g} s is wanted: of times much longer "
+                    "a double does not hold the phase on an orbit",
+                    elements.periapsis_time_s, -kMostPeriapsisTime_s, kMostPeriapsisTime_s)};
+  }
+  const auto text = [](const Vector3& v) { return fmt::format("({:.9g}, {:.9g}, {:.9g})", v[0], v[1], v[2]); };
+  const Vector3 &x = elements.to_periapsis, &normal = elements.along_normal;
+  const auto is_direction = [](const Vector3& v) { return v.allFinite() && !v.isZero(0.0); };
+  constexpr const char* wanted = "{} is {}, a finite vector other than 0 is wanted";
+  if (!is_direction(x)) {
+    return KeplerFault{Element::to_periapsis, fmt::format(wanted, "the direction of periapsis", text(x))};
+  }
+  if (!is_direction(normal))
+    return KeplerFault{Element::along_normal, fmt::format(wanted, "the orbit normal", text(normal))};
+  const double skew_rad =
+      std::abs(std::asin(std::clamp(x.stableNormalized().dot(normal.stableNormalized()), -1.0, 1.0)));
+  if (!(skew_rad <= kMostSkew_rad)) {
+    return KeplerFault{
+        Element::along_normal,
+        fmt::format("the orbit normal {} is {:.2g} rad from a right angle to the direction of periapsis {}; "
+                    "at most {:g} rad is allowed, what four decimals hold",
+                    text(normal), skew_rad, text(x), kMostSkew_rad)};
+  }
+  return std::nullopt;
+}
+
+KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
+  if (const auto fault = fault_of(elements)) throw InputError(fault->message);
   using Extended = long double;
   Constants<Extended>& c = extended_;
   const Extended mu = elements.mu_m3_s2, q = elements.periapsis_m, e = elements.eccentricity;
@@ -70,13 +100,9 @@ KeplerOrbit::KeplerOrbit(const KeplerElements& elements) : elements_(elements) {
   c.period_s = c.alpha > 0 ? 2 * std::numbers::pi_v<Extended> / (c.sqrt_mu * c.alpha * std::sqrt(c.alpha)) : 0;
   c.time_s = elements.periapsis_time_s;
   c.sqrt_parameter = std::sqrt(q * (1 + e));
-  c.x = elements.to_periapsis.cast<Extended>().normalized();
-  Vector3Of<Extended> normal = elements.along_normal.cast<Extended>().normalized();
+  c.x = elements.to_periapsis.cast<Extended>().stableNormalized();
+  Vector3Of<Extended> normal = elements.along_normal.cast<Extended>().stableNormalized();
   normal -= c.x.dot(normal) * c.x;
-  if (!(normal.norm() > 1e-9L && c.x.norm() > 0.5L)) {
-    throw InputError("the direction of periapsis and the orbit normal are parallel or zero, two directions are wanted");
-  }
-  normal -= c.x.dot(normal) * c.x;  // once more: the first leaves the rounding of a nearly parallel pair
   c.y = normal.normalized().cross(c.x);
   plain_ = {static_cast<double>(c.sqrt_mu),
             static_cast<double>(c.alpha),

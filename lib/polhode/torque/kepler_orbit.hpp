@@ -1,5 +1,8 @@
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "polhode/torque/terms.hpp"
 
 namespace polhode {
@@ -9,11 +12,25 @@ struct KeplerElements {
   double mu_m3_s2 = 0.0;                    ///< positive
   double periapsis_m = 0.0;                 ///< distance, positive
   double eccentricity = 0.0;                ///< 0 or more
-  double periapsis_time_s = 0.0;            ///< on the body's clock, finite
+  double periapsis_time_s = 0.0;            ///< on the body's clock, at most kMostPeriapsisTime_s away from 0
   Vector3 to_periapsis = Vector3::UnitX();  ///< inertial, any length but 0
-  Vector3 along_normal = Vector3::UnitZ();  ///< inertial, made orthogonal to the other; the body moves along
-                                            ///< normal x periapsis at periapsis
+  Vector3 along_normal = Vector3::UnitZ();  ///< inertial, at a right angle to the other within kMostSkew_rad, and
+                                            ///< made so to the last digit; the body moves along normal x periapsis at
+                                            ///< periapsis
 };
+
+/// Thirty thousand years. A double holds times as long to a tenth of a millisecond; from times much longer no phase on
+/// an orbit follows.
+inline constexpr double kMostPeriapsisTime_s = 1e12;
+/// How far from a right angle the directions of elements may be: four decimals of each component hold it so well.
+inline constexpr double kMostSkew_rad = 2e-4;
+
+/// The element that is out of its range, and what was found and is wanted, in words.
+struct KeplerFault {
+  enum class Element { mu, periapsis, eccentricity, periapsis_time, to_periapsis, along_normal } element;
+  std::string message;
+};
+std::optional<KeplerFault> fault_of(const KeplerElements& elements);
 
 /// Motion on a Kepler orbit, by universal functions from periapsis (Battin 1999, section 4.5): with alpha = (1 - e)/q
 /// and U_k(chi) the time equation sqrt(mu) (t - tp) = q U1 + U3 and the radius r = q + e U2 are sums of positive terms
@@ -23,7 +40,7 @@ struct KeplerElements {
 /// may be more.
 class KeplerOrbit {
  public:
-  /// Throws InputError for elements out of range.
+  /// Throws InputError for elements out of range: what fault_of() finds, and what no double holds.
   explicit KeplerOrbit(const KeplerElements& elements);
 
   /// Of the body, from the point mass. NaN where t is not finite.
