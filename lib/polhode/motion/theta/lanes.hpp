@@ -131,10 +131,11 @@ inline Lanes nearest_integer(Lanes a) {
 #elif defined(__AVX2__)
   return _mm256_round_pd(a, _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC);
 #else
-  const Lanes magic = all<Lanes>(0x1.8p52);
-  const Lanes rounded = (a + magic) - magic;
-  const LaneBits small = (a < all<Lanes>(0x1p51)) & (a > all<Lanes>(-0x1p51));
-  return value<Lanes>((bits(rounded) & small) | (bits(a) & ~small));
+  const Lanes whole = all<Lanes>(0x1p52);  // from there on there are only whole numbers
+  const Lanes size = value<Lanes>(bits(a) & INT64_MAX);
+  const Lanes rounded = (size + whole) - whole;
+  const LaneBits small = size < whole;
+  return value<Lanes>((bits(rounded) & small) | (bits(a) & ~small) | (bits(a) & INT64_MIN));
 #endif
 }
 
