@@ -230,9 +230,13 @@ void propagate(PropagateOptions options) {
     const Plan plan = in_file(options.body_file, [&] {
       return plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
     });
-    planned = planned_motion(
-        plan, free, scene->first_s, scene->last_s,
-        options.most_evaluations.value_or(options.full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
+    try {
+      planned = planned_motion(
+          plan, free, scene->first_s, scene->last_s,
+          options.most_evaluations.value_or(options.full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
+    } catch (const ComputationError& error) {
+      throw ComputationError(options.body_file + ": " + error.what());
+    }
   } else {
     planned.motion = chosen.make(free);
   }

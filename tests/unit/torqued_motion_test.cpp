@@ -554,6 +554,55 @@ TEST(TorquedMotion, BetweenStepsIsAsGoodAsAtTheirEnds) {
   }
 }
 
+/// Whatever is tried in turn, all evaluations together count; a window or a step is finished.
+TEST(TorquedMotion, KeepsToTheLimitOfEvaluations) {
+  constexpr std::size_t window = 400;
+  for (const double part : {0.01, 1.0, 100.0}) {
+    for (const double tolerance_rad : {1e-6, 1e-9, 1e-13}) {
+      for (const std::size_t most : {1U, 3000U, 20000U, 60000U}) {
+        TorquedOptions options{tolerance_rad, -2e4, 1e5};
+        options.max_torque_evaluations = most;
+        const TorquedMotion motion(satellite(), gravity(part), options);
+        EXPECT_LE(motion.torque_evaluations(), most + window) << part << " " << tolerance_rad << " " << most;
+        // What it says that it reached it answers.
+        for (const double t_s :
+             {motion.first_s(), 0.5 * motion.first_s(), 0.0, 0.5 * motion.last_s(), motion.last_s()}) {
+          EXPECT_TRUE(motion.at(t_s).momentum_body.allFinite()) << part << " " << tolerance_rad << " " << most;
+        }
+      }
+    }
+  }
+}
+
+/// A pulse divides a way into legs; those that were not begun are not reached.
+TEST(TorquedMotion, StopsWhereItWasStopped) {
+  const Torques pulsed({gravity().list()[0], ThrusterPulse{5e4, 10.0, {1e-3, 0, 0}}});
+  TorquedOptions few{1e-9, -1e5, 1e5};
+  few.max_torque_evaluations = 3000;
+  for (const std::string_view name : {"auto", "near-10-6-4", "extrapolation"}) {
+    few.method = name;
+    const TorquedMotion stopped(satellite(), pulsed, few);
+    EXPECT_EQ(stopped.outcome(), Outcome::stopped);
+    EXPECT_LT(stopped.last_s(), 5e4) << name;
+    EXPECT_EQ(stopped.first_s(), 0.0) << name;
+    EXPECT_THROW(stopped.at(6e4), InputError);
+    EXPECT_THROW(stopped.at(-1.0), InputError);
+  }
+}
+
+/// A spin that is damped for so long that no momentum is left that a double could hold.
+TEST(TorquedMotion, DampingMayTakeAllMomentum) {
+  const FreeBody body = satellite();
+  for (const std::string_view name : {"auto", "near-10-6-4"}) {
+    TorquedOptions options{1e-6, 0.0, 0.0, name};
+    options.last_s = 800.0 * body.principal_moments[0];
+    const TorquedMotion motion(body, Torques({LinearDamping{Vector3::Ones()}}), options);
+    const FreeState end = motion.at(options.last_s);
+    EXPECT_NEAR(end.q_inertial_from_body.norm(), 1.0, 1e-14) << name;
+    EXPECT_LT(end.momentum_body.norm(), 1e-100) << name;
+  }
+}
+
 TEST(TorquedMotion, SaysWhenItStopsOrCannotReachTheTolerance) {
   const FreeBody body = satellite();
   TorquedOptions few{1e-9, 0.0, 1e5};

@@ -251,7 +251,8 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
   const std::string part =
       longest == 1.0 ? "the whole span" : fmt::format("the first {:.1f} % of the span", 100.0 * longest);
   plan.model = second.method;
-  plan.why = fmt::format("steps chosen for {:.1e} rad", plan.tolerance_rad);
+  plan.why = fmt::format("steps chosen for {:.1e} rad{}", plan.tolerance_rad,
+                         plan.kept.smooth() ? "" : "; the kinks that facets make may keep it from that");
   if (second.torque_evaluations >= most) {
     plan.cost_why =
         fmt::format("a trial over {} was ended after {} torque evaluations", part, second.torque_evaluations);
@@ -370,7 +371,9 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
         plan.torque_evaluations = *evaluations;
         plan.cost_why = "from a trial of a hundred turns";
       } else {
-        plan.cost_why = "facets that come into the light make kinks, which may need another method";
+        plan.cost_why =
+            "facets that come into the light make kinks, which may need another method, and may keep it from "
+            "this accuracy";
       }
       return plan;
     }
@@ -409,17 +412,21 @@ PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double firs
   }
   if (!planned.motion) {
     TorquedOptions options{plan.tolerance_rad, first_s, last_s};
-    options.max_torque_evaluations = most;
+    options.max_torque_evaluations = most - std::min(in_vain, most - 1);
     auto motion = std::make_unique<TorquedMotion>(body, plan.kept, options);
-    if (motion->outcome() == Outcome::stopped && motion->torque_evaluations() >= most) {
+    if (motion->outcome() == Outcome::stopped && motion->torque_evaluations() >= options.max_torque_evaluations) {
       throw ComputationError(
           fmt::format("the propagation was ended after {} torque evaluations; allow more, or ask for less accuracy or "
                       "a shorter span",
                       motion->torque_evaluations() + in_vain));
     }
     if (motion->outcome() != Outcome::done) {
-      throw ComputationError(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was planned",
-                                         outcome_name(motion->outcome()), motion->error_rad(), plan.tolerance_rad));
+      throw ComputationError(
+          fmt::format("the planned accuracy is not reached: two runs agree to {:.1e} rad, {:.1e} rad was planned for "
+                      "them{}; ask for "
+                      "less accuracy or a shorter span",
+                      motion->error_rad(), plan.tolerance_rad,
+                      plan.kept.smooth() ? "" : " (facets that come into the light make kinks)"));
     }
     planned.account = motion->account();
     planned.motion = std::move(motion);

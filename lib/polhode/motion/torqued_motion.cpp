@@ -79,8 +79,12 @@ std::string_view outcome_name(Outcome outcome) {
 /// Makes paths; what they share while they are made.
 class TorquedMotion::Builder {
  public:
-  Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, std::string_view method)
-      : options_(options), way_(way(method)), moments_(body.principal_moments) {
+  /// Of the evaluations that the options allow, `spent` are gone.
+  Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, std::string_view method,
+          std::size_t spent)
+      : most_evaluations_(options.max_torque_evaluations - std::min(spent, options.max_torque_evaluations)),
+        way_(way(method)),
+        moments_(body.principal_moments) {
     start_ = {body.q_inertial_from_body.cast<long double>().normalized(), body.momentum_body.cast<long double>()};
     for (const bool forward : {true, false}) {
       const double end_s = forward ? options.last_s : options.first_s;
@@ -142,7 +146,11 @@ class TorquedMotion::Builder {
     tolerance_rad_ = tolerance_rad;
     aside_ = !aside_;
     forward = forward_, backward = backward_;
-    return way_.variation ? vary(forward) && vary(backward) : choose_steps(forward) && choose_steps(backward);
+    const auto reach_the_end = [this](Path& path) { return way_.variation ? vary(path) : choose_steps(path); };
+    if (reach_the_end(forward)) return reach_the_end(backward);
+    end_in(backward, 0);  // the start alone
+    backward.front().nodes.assign(1, {0.0, start_});
+    return false;
   }
 
   /// The same paths, finer; false as above.
@@ -206,18 +214,29 @@ class TorquedMotion::Builder {
     return state;
   }
 
+  /// Ends the path within its leg l; false.
+  static bool end_in(Path& path, std::size_t l) {
+    path.erase(path.begin() + static_cast<std::ptrdiff_t>(l) + 1, path.end());
+    return false;
+  }
+
   bool vary(Path& path) {
     ExtendedState state = aside_ ? start_aside() : start_;
-    for (Leg& leg : path) {
+    for (std::size_t l = 0; l < path.size(); ++l) {
+      Leg& leg = path[l];
       const ExtendedState start = state;
       const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
+      if (evaluations_ >= most_evaluations_) {
+        leg.nodes = {{from_s, start}};
+        return end_in(path, l);
+      }
       leg.variation = std::make_shared<const Variation>(moments_, start, from_s, to_s, leg.torques, tolerance_rad_,
-                                                        options_.max_torque_evaluations - evaluations_);
+                                                        most_evaluations_ - evaluations_);
       evaluations_ += leg.variation->torque_evaluations();
       gradients_ += leg.variation->gradients();
       state = extended(leg.variation->at(leg.variation->reached_s()));
       leg.nodes = {{from_s, start}, {leg.variation->reached_s(), state}};
-      if (!leg.variation->whole()) return false;
+      if (!leg.variation->whole()) return end_in(path, l);
     }
     return true;
   }
@@ -240,7 +259,10 @@ class TorquedMotion::Builder {
             run.step(to_s - run.t_s());
             fine[l].nodes.push_back({to_s, extended(run.state())});
           }
-          if (evaluations_ + run.torque_evaluations() > options_.max_torque_evaluations) return false;
+          if (evaluations_ + run.torque_evaluations() > most_evaluations_) {
+            evaluations_ += run.torque_evaluations();
+            return false;
+          }
         }
         evaluations_ += run.torque_evaluations();
       } else {
@@ -251,7 +273,7 @@ class TorquedMotion::Builder {
             fine[l].nodes.push_back(
                 {to_s, stepped(way_, moments_, fine[l].torques, from, to_s - from.t_s, 1, evaluations_, nullptr)});
           }
-          if (evaluations_ > options_.max_torque_evaluations) return false;
+          if (evaluations_ > most_evaluations_) return false;
         }
       }
       state = fine[l].nodes.back().state;
@@ -262,7 +284,8 @@ class TorquedMotion::Builder {
   bool choose_steps(Path& path) {
     ExtendedState state = way_.scheme == nullptr && !way_.extended ? start_aside() : start_;
     const double end_s = path.back().nodes.back().t_s;
-    for (Leg& leg : path) {
+    for (std::size_t l = 0; l < path.size(); ++l) {
+      Leg& leg = path[l];
       const double leg_end_s = leg.nodes.back().t_s;
       leg.nodes.assign(1, {leg.nodes[0].t_s, state});
       double wanted_s = std::abs(leg_end_s - leg.nodes[0].t_s);
@@ -279,7 +302,7 @@ class TorquedMotion::Builder {
         }
         const double to_s = length_s == remaining_s ? leg_end_s : from.t_s + std::copysign(length_s, leg_end_s);
         length_s = std::abs(to_s - from.t_s);
-        if (!(length_s > 4e-16 * std::abs(from.t_s))) return false;
+        if (!(length_s > 4e-16 * std::abs(from.t_s))) return end_in(path, l);
 
         double error = 0.0;
         ExtendedState next;
@@ -308,7 +331,7 @@ class TorquedMotion::Builder {
         const double rounding =
             (way_.scheme != nullptr ? 5e-15 / 60.0 : (way_.extended ? 3e-18 : 3e-15) / 1000.0) * weight;
         const double allowed = std::max(tolerance_rad_ * std::sqrt(length_s / std::abs(end_s)), rounding);
-        if (evaluations_ > options_.max_torque_evaluations) return false;
+        if (evaluations_ > most_evaluations_) return end_in(path, l);
         const bool good = error <= allowed && turned_rad <= 2.0 * kLongestTurn_rad;
         const double exponent = way_.scheme == nullptr ? 1.0 / 15.0 : 1.0 / 7.0;
         const double factor =
@@ -322,7 +345,7 @@ class TorquedMotion::Builder {
     return true;
   }
 
-  const TorquedOptions& options_;
+  std::size_t most_evaluations_;
   Way way_;
   Vector3 moments_;
   double tolerance_rad_ = 0.0;  // of the finest paths so far
@@ -349,7 +372,7 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named,
   }
   for (const std::string_view name : methods) {
     const bool last = name == methods.back();
-    Builder builder(body, torques, options, name);
+    Builder builder(body, torques, options, name, evaluations_);
     way_ = Builder::way(name);
     method_ = way_.variation           ? kVariation
               : way_.scheme != nullptr ? way_.scheme->name
