@@ -25,10 +25,14 @@ using Y = std::array<double, 7>;
 template <class RightHandSide>
 struct Counted {
   const RightHandSide& f;
+  double direction = 1.0;  // -1: of the time that runs backward
   std::int64_t count = 0;
   void operator()(const Y& y, Y& dydt, double t) {
     ++count;
-    f(y, dydt, t);
+    f(y, dydt, direction * t);
+    if (direction < 0.0) {
+      for (double& component : dydt) component = -component;
+    }
   }
 };
 
@@ -76,16 +80,17 @@ std::int64_t run_controlled(Stepper stepper, const RightHandSide& rate, const Pr
   return f.count;
 }
 
-/// A stepper with dense output: its own steps, interpolated at the instants.
+/// A stepper with dense output: its own steps, interpolated at the instants. Backward in a time that runs forward:
+/// Boost's Bulirsch-Stoer compares the lengths of negative steps the wrong way round, and never shortens one twice.
 template <class Stepper, class RightHandSide>
 std::int64_t run_dense(Stepper stepper, const RightHandSide& rate, const Problem& problem,
                        std::span<const double> times, State<double>* out) {
-  Counted<RightHandSide> f{rate};
   const double direction = times.back() < 0.0 ? -1.0 : 1.0;
-  stepper.initialize(pack(problem.start), 0.0, direction * problem.step);
+  Counted<RightHandSide> f{rate, direction};
+  stepper.initialize(pack(problem.start), 0.0, problem.step);
   for (std::size_t i = 0; i < times.size(); ++i) {
     try {
-      while (direction * (times[i] - stepper.current_time()) > 0.0) {
+      while (direction * times[i] > stepper.current_time()) {
         stepper.do_step(std::ref(f));
         if (!(std::abs(stepper.current_time_step()) > 1e-15 * std::abs(stepper.current_time())) ||
             f.count > problem.max_evaluations) {
@@ -98,7 +103,7 @@ std::int64_t run_dense(Stepper stepper, const RightHandSide& rate, const Problem
       return f.count;
     }
     Y y = pack(problem.start);
-    if (times[i] != 0.0) stepper.calc_state(times[i], y);
+    if (times[i] != 0.0) stepper.calc_state(direction * times[i], y);
     out[i] = unpack(y);
   }
   return f.count;
