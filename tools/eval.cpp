@@ -22,9 +22,9 @@ namespace {
 struct EvalOptions {
   std::string case_file;
   std::string method = "auto";
-  double tolerance_rad = 1e-12;  // for propagation under torques and for integrators; the exact methods need none
-  double step_s = 0.0;           // for integrators of fixed step; 0 is the method's choice
-  std::size_t most_evaluations = 10'000'000;  // of torques
+  double tolerance_rad = 1e-12;      // for propagation under torques and for integrators; the exact methods need none
+  double step_s = 0.0;               // for integrators of fixed step; 0 is the method's choice
+  std::size_t most_evaluations = 0;  // of torques; 0: some seconds of work
 };
 
 std::unique_ptr<FreeMotion> make_free_motion(const Method& chosen, const FreeBody& body, const EvalOptions& options) {
@@ -41,13 +41,20 @@ std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const Ev
   if (options.step_s != 0.0)
     throw InputError("--step is for free motion; under torques --tolerance says how fine to be");
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
-  auto motion =
-      std::make_unique<TorquedMotion>(wanted.body, wanted.torques,
-                                      TorquedOptions{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last),
-                                                     options.method, options.most_evaluations});
+  // One torque of a hundred thousand radians at the tightest tolerance takes seven million.
+  constexpr double usual = 8e6;
+  const auto torques = static_cast<double>(wanted.torques.list().size());
+  const std::size_t most_evaluations = options.most_evaluations != 0
+                                           ? options.most_evaluations
+                                           : static_cast<std::size_t>(usual / (0.5 + 0.5 * torques));
+  auto motion = std::make_unique<TorquedMotion>(wanted.body, wanted.torques,
+                                                TorquedOptions{options.tolerance_rad, std::min(0.0, *first),
+                                                               std::max(0.0, *last), options.method, most_evaluations});
   if (motion->outcome() == Outcome::stopped) {
-    throw CheckFailed(fmt::format("stopped: {} s to {} s were reached after {} torque evaluations (method {})",
-                                  motion->first_s(), motion->last_s(), motion->torque_evaluations(), motion->method()));
+    throw CheckFailed(
+        fmt::format("stopped: {} s to {} s were reached after {} torque evaluations (method {}); allow more by "
+                    "--max-evaluations, or ask for earlier times or a larger --tolerance",
+                    motion->first_s(), motion->last_s(), motion->torque_evaluations(), motion->method()));
   }
   return motion;
 }
@@ -111,7 +118,7 @@ void add_eval(CLI::App& app) {
       ->capture_default_str();
   add_whole_number(*command, "--max-evaluations", options->most_evaluations, 1, most_evaluations_asked,
                    "Under torques: most torque evaluations to spend")
-      ->default_str(std::to_string(options->most_evaluations));
+      ->default_str("8000000 of one torque, fewer of several");
   command->add_option("CASEFILE", options->case_file, "Body at t = 0 and times")->required();
   command->callback([options] { eval(*options); });
 }

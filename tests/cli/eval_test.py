@@ -3,6 +3,7 @@
 import math
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import tempfile
@@ -59,6 +60,16 @@ class Program(unittest.TestCase):
             self.assertEqual(len(done.stderr.splitlines()), 1, done.stderr)
             self.assertIn(complaint, done.stderr)
             self.assertIn(self.case, done.stderr)
+
+    def test_what_would_take_too_long_under_torques_ends_with_a_remedy(self):
+        text = pathlib.Path(f"{DATA}/truth/torqued/combined-01.case").read_text()
+        text = "".join("m 1e127 2e126 3e126\n" if line.startswith("m ") else line for line in text.splitlines(True))
+        done = self.eval_text(text)
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        found = re.search(r"reached after (\d+) torque evaluations .*--max-evaluations", done.stderr)
+        self.assertLess(int(found[1]), 4_000_500)  # of three torques
+        done = self.eval_text(text, "--max-evaluations", "10000")
+        self.assertLess(int(re.search(r"after (\d+) torque evaluations", done.stderr)[1]), 10_500)
 
     def test_what_a_message_quotes_is_short_and_has_no_control_characters(self):
         done = run("convert-time", "--to", "UTC", input="2000-01-01 \x1b[2J\rTT\x7f\n")
