@@ -110,7 +110,7 @@ TEST(BodyAxes, TheMeshOfSunlightIsInTheNamedAxes) {
   TriangleMesh plate;
   plate.vertices = {{3, 0, 0}, {3, 1, 9}, {2, 7, 0}};
   plate.facets = {{0, 1, 2}, {0, 2, 1}};
-  const KeplerElements sun{1.32712440018e20, 1.496e11, 0.0, 0.0, {0.3, -0.8, 0.2}, {0, 0.2, 1}};
+  const KeplerElements sun{1.32712440018e20, 1.496e11, 0.0, 0.0, {0.3, -0.8, 0.2}, {0, 0.25, 1}};
   const Sunlight light(plate, {0.2, 0.5}, sun);
   const Matrix3 R = envisat().inertia->named_from_principal;
   const Torques turned = Torques({light}).in_principal_axes(R);

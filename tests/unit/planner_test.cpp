@@ -22,6 +22,13 @@
 namespace polhode {
 namespace {
 
+/// The normal turned to a right angle to the periapsis.
+KeplerElements with_right_angle(KeplerElements orbit) {
+  const Vector3 x = orbit.to_periapsis.normalized();
+  orbit.along_normal = (orbit.along_normal - x.dot(orbit.along_normal) * x).normalized();
+  return orbit;
+}
+
 constexpr double kEarth = 3.986004418e14;
 const std::string kScenes = POLHODE_DATA_DIR "/scenes/";
 
@@ -125,7 +132,8 @@ TEST(Planner, FewKicksKeepTheirPromiseOnRandomSatellites) {
     const double rate = 0.03 * std::pow(10.0, unit(random));
     const FreeBody body{moments, Quaternion(Eigen::AngleAxisd(6.28 * unit(random), direction())),
                         moments.cwiseProduct(rate * direction())};
-    const KeplerElements orbit{kEarth, 7e6, 0.05 * unit(random), 1000.0 * unit(random), direction(), direction()};
+    const KeplerElements orbit =
+        with_right_angle({kEarth, 7e6, 0.05 * unit(random), 1000.0 * unit(random), direction(), direction()});
     const auto beside = [&]() -> Torque {
       if (n % 3 == 0) return LinearDamping{moments * rate * 1e-7};
       return ConstantTorque{moments[2] * rate * rate * 1e-7 * direction(), ConstantTorque::Axes::body};
@@ -202,8 +210,9 @@ class RandomScenes {
                         moments.cwiseProduct(rate * direction())};
     const double last_s = log_between(least_rad, most_rad) / rate, first_s = n % 4 == 0 ? -0.5 * last_s : 0.0;
     const double momentum = body.momentum_body.norm();
-    const KeplerElements orbit{kEarth * log_between(1e-8, 1.0), log_between(7e6, 1e8), 3.0 * unit_(random_),
-                               last_s * unit_(random_),         direction(),           direction()};
+    const KeplerElements orbit =
+        with_right_angle({kEarth * log_between(1e-8, 1.0), log_between(7e6, 1e8), 3.0 * unit_(random_),
+                          last_s * unit_(random_), direction(), direction()});
     Torque torque = GravityGradient(orbit.mu_m3_s2, orbit);
     switch (n % 6) {
       case 0:

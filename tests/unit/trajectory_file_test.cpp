@@ -13,7 +13,7 @@ namespace polhode {
 namespace {
 
 constexpr double kEarth = 3.986004418e14;
-const KeplerElements kOrbit{kEarth, 7e6, 0.05, 300.0, {1, 2, -0.5}, {0.3, 0.1, 2}};
+const KeplerElements kOrbit{kEarth, 7e6, 0.05, 300.0, {1, 2, -0.5}, {0.5, 0, 1}};
 
 class TrajectoryFile : public ::testing::Test {
  protected:
