@@ -103,6 +103,39 @@ def test_a_table_with_dates_is_a_list(tmp_path, kind):
         assert f"{table}:3: 1 cells; 2 are wanted" in refused("propagate", TOUTATIS, "-o", out, "--times", table)
 
 
+@pytest.mark.parametrize("delimiter", [" ", ","])
+@pytest.mark.parametrize("kind", ["isot", "iso", "jd", "mjd", "jd1_jd2"])
+def test_times_that_astropy_wrote_are_a_list(tmp_path, kind, delimiter):
+    wanted = Time(["1993-01-01T00:00:00.5", "1993-01-02T12:00:00"], scale="utc")
+    wanted.format = "jd" if kind == "jd1_jd2" else kind
+    table = tmp_path / "observations.ecsv"
+    columns = {"note": ["the first, of two", "b"], "time of": wanted, "magnitude": [15.2, 15.3]}
+    method = {"serialize_method": {"time of": "jd1_jd2"}} if kind == "jd1_jd2" else {}
+    Table(columns).write(table, format="ascii.ecsv", delimiter=delimiter, **method)
+    out = propagate(TOUTATIS, tmp_path / "out.csv", "--times", table, "--scale", "TAI")
+    assert np.max(np.abs((Time(dates(out), scale="tai") - wanted).to_value("s"))) < 3e-5 * (kind in ("jd", "mjd")) + 1e-6
+
+
+def test_a_list_that_is_none_says_what_one_is(tmp_path):
+    table = tmp_path / "list"
+    for text, message in [
+        (b"jd,mag\n2448989.5,15.2\n", f"{table}:1: 'jd,mag' is no date, and names no column of dates"),
+        (b"1993-01-01,15.2\n", f"{table}:1: '1993-01-01,15.2' is no date, and names no column of dates"),
+        (b"JD 2448989.5\n", "needs its time scale"),
+        (b"1993-13-01 UTC\n", "no such date"),
+        (b"\0\1\2", f"{table}: is no text; a list of times is a file of text"),
+    ]:
+        table.write_bytes(text)
+        assert message in refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", table)
+    rows = propagate(TOUTATIS, tmp_path / "rows.fits", "--stop", "+1 d", "--count", "3")
+    assert f"{rows}: is no text; " in refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", rows)
+    wanted = Time(["1993-01-01", "1993-01-02"], scale="utc")
+    wanted.format = "unix"
+    Table({"time": wanted}).write(table, format="ascii.ecsv", overwrite=True)
+    message = refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", table)
+    assert f"{table}:" in message and "astropy's format unix; isot, iso, jd and mjd are read" in message
+
+
 @pytest.mark.parametrize("scale", ["TT", "TAI", "UTC", "TDB", "GPS", "ET"])
 def test_a_day_has_as_many_rows_in_every_scale(tmp_path, scale):
     for number, span in enumerate((("--stop", "+1 d"), ("--start", "2000-03-01 TT", "--stop", "2000-03-02 TT"))):
