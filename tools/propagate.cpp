@@ -206,6 +206,8 @@ void print_account(const EphemerisDescription& rows) {
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output);
   refuse_meaningless(options.output, format);
+  const std::string inputs[]{RowOfFile(options.body_file).file, options.times};
+  refuse_overwriting(options.output, inputs);
   std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file);
   const auto* const scene = std::get_if<Scene>(&input);
   if (scene != nullptr) {

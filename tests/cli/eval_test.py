@@ -78,6 +78,53 @@ class Program(unittest.TestCase):
             done = run("compare", table, table, f"--tolerance={tolerance}")
             self.assertEqual((done.returncode, done.stdout), (2, ""), tolerance)
 
+    def test_standard_input_that_cannot_be_read_is_status_3(self):
+        for command in [("convert-time", "--to", "UTC"), ("convert-frame", "--from", "ICRF", "--to", "GCRF")]:
+            with_folder = os.open(self.folder.name, os.O_RDONLY)
+            self.addCleanup(os.close, with_folder)
+            done = run(*command, stdin=with_folder)
+            self.assertEqual((done.returncode, done.stdout), (3, ""))
+            self.assertIn("cannot read standard input: Is a directory", done.stderr)
+            closed = subprocess.run(["sh", "-c", '"$@" <&-', "sh", POLHODE, *command], capture_output=True, text=True)
+            self.assertEqual((closed.returncode, closed.stdout), (3, ""))
+            self.assertIn("cannot read standard input: ", closed.stderr)
+
+    def test_an_output_is_none_of_the_inputs(self):
+        folder = pathlib.Path(self.folder.name)
+        table = pathlib.Path(f"{DATA}/samples/attitude/spinner.csv").read_bytes()
+        (folder / "a.csv").write_bytes(table)
+        (folder / "b.csv").symlink_to("a.csv")
+        (folder / "times.csv").write_text("2000-01-01T12:00:01 TT\n")
+        for arguments in [("a.csv", "-o", "a.csv"), ("a.csv", "-o", "b.csv"), ("b.csv", "-o", f"{folder}/a.csv"),
+                          ("a.csv", "--times", "times.csv", "-o", "times.csv")]:
+            done = run("propagate", *arguments, cwd=folder)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn("that is read; another name is wanted", done.stderr)
+        self.assertEqual((folder / "a.csv").read_bytes(), table)
+        self.assertEqual((folder / "times.csv").read_text(), "2000-01-01T12:00:01 TT\n")
+        self.assertEqual(run("propagate", "a.csv", "-o", "c.csv", cwd=folder).returncode, 0)
+
+    def test_a_path_is_not_cut_at_a_nul(self):
+        body = pathlib.Path(self.folder.name) / "body.toml"
+        body.write_text(f'name = "a"\nsource = "b"\n[inertia]\nmesh = "{DATA}/bodies/toutatis.toml\\u0000.obj"\n')
+        done = run("info", str(body))
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("holds the character U+0000", done.stderr)
+        self.assertIn(f"{body}:4: ", done.stderr)
+        body.write_text(body.read_text().replace("\\u0000.obj", "").replace(f"{DATA}/bodies/toutatis.toml", ""))
+        done = run("info", str(body))
+        self.assertIn(f"{body}:4: inertia.mesh: found '', the name of a file is wanted", done.stderr)
+
+    def test_a_lack_of_memory_names_the_file(self):
+        big = pathlib.Path(self.folder.name) / "big.csv"
+        with big.open("w") as file:
+            file.write("date_tt,q_x,q_y,q_z,q_scalar\n" + 8_000_000 * "2000-01-01T12:00:00.000,0,0,0,1\n")
+        done = subprocess.run(["sh", "-c", 'ulimit -v 262144; exec "$@"', "sh", POLHODE, "info", str(big)],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout), (3, ""))
+        self.assertIn("not enough memory", done.stderr)
+        self.assertIn(str(big), done.stderr)
+
     def test_an_empty_list_of_dates_is_named(self):
         pathlib.Path(self.case).write_text("# none\n")
         done = run("propagate", f"{DATA}/bodies/toutatis.toml", "--times", self.case, "-o", self.case + ".csv")

@@ -39,7 +39,7 @@ Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, c
     request.table_frame = table.located("trajectory_frame", [&] { return frame(*frame_name); });
   }
   request.zero = scene.body.state->epoch;
-  const std::string path = (folder / table.text("trajectory")).string();
+  const std::string path = (folder / table.file_name("trajectory")).string();
   TabulatedOrbit orbit = parse_trajectory(table.opened("trajectory", [&] { return content_of(path); }), path, request);
   if (!(orbit.first_s() <= scene.first_s && scene.last_s <= orbit.last_s())) {
     const auto date = [&](double t_s) { return format_date(request.zero + Seconds{t_s, 0.0}, TimeScale::tdb, 0); };
@@ -162,7 +162,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
   if (kind == "sunlight") {
     table.allow_only({"kind", "mesh", "unit_m", "centre_of_mass", "specular", "diffuse", "orbit"});
     need_absolute(table, inertia);
-    const std::string path = (folder / table.text("mesh")).string();
+    const std::string path = (folder / table.file_name("mesh")).string();
     TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(path); }), path);
     const double unit_m = table.number("unit_m");
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
@@ -212,7 +212,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   scene.name = root.text("name");
   scene.source = root.text("source");
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  const std::string body_path = (folder / root.text("body")).string();
+  const std::string body_path = (folder / root.file_name("body")).string();
   scene.body = root.opened("body", [&] { return read_body(body_path, content_of); });
   if (!scene.body.inertia || !scene.body.state || !scene.body.state->omega_named_rad_s ||
       !scene.body.state->q_frame_from_named) {

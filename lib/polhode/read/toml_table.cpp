@@ -223,6 +223,15 @@ std::string TomlTable::text(std::string_view key) const {
   throw error(key, "this key is missing, text is wanted");
 }
 
+std::string TomlTable::file_name(std::string_view key) const {
+  std::string name = text(key);
+  if (name.empty()) throw error(key, "found '', the name of a file is wanted");
+  if (name.find('\0') != std::string::npos) {
+    throw error(key, "found a text that holds the character U+0000, which no name of a file does");
+  }
+  return name;
+}
+
 struct TomlTable::Element {
   const toml::node& node;
 };

@@ -27,6 +27,8 @@ class TomlTable {
   std::string_view one_of(std::initializer_list<std::string_view> keys) const;
 
   std::string text(std::string_view key) const;
+  /// A text that can name a file: neither empty nor with a U+0000, at which the system would cut it.
+  std::string file_name(std::string_view key) const;
   std::optional<std::string> optional_text(std::string_view key) const;
   double number(std::string_view key) const;
   double positive_number(std::string_view key) const;
