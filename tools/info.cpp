@@ -107,17 +107,17 @@ class Page {
  public:
   template <class... Arguments>
   void heading(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
-    text_.push_back('\n');
+    line(fmt::format(format, std::forward<Arguments>(arguments)...));
   }
-  void row(std::string_view label, std::string_view value) {
-    fmt::format_to(std::back_inserter(text_), "  {:<32}{}\n", label, value);
-  }
+  void row(std::string_view label, std::string_view value) { line(fmt::format("  {:<32}{}", label, value)); }
   void gap() { text_.push_back('\n'); }
-  std::string_view view() const { return {text_.data(), text_.size()}; }
+  std::string_view view() const { return text_; }
 
  private:
-  fmt::memory_buffer text_;
+  /// What a file says is printed, not obeyed.
+  void line(std::string_view text) { text_.append(printable(text)).push_back('\n'); }
+
+  std::string text_;
 };
 
 void print_axis(Page& page, int principal, const AxisMotion& axis) {
@@ -325,7 +325,8 @@ void add_info(CLI::App& app) {
         print(page, report);
       }
     }
-    write_standard_output(options->as_json ? all.dump(2) + "\n" : std::string(page.view()));
+    write_standard_output(options->as_json ? all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+                                           : std::string(page.view()));
   });
 }
 

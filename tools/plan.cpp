@@ -30,13 +30,13 @@ void print_plan(const PlanOptions& options) {
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
   fmt::format_to(out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch\naccuracy   {:.3g} rad\n",
-                 scene.name, scene.first_s, scene.last_s, scene.accuracy_rad);
+                 printable(scene.name), scene.first_s, scene.last_s, scene.accuracy_rad);
   fmt::format_to(out, "\n{:<26} {:>12} {:>12}  {:<8} {}\n", "effect", "periodic/rad", "secular/rad", "", "why");
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     const PlannedEffect& effect = plan.effects[i];
     const auto angle = [](const std::optional<double>& rad) { return rad ? fmt::format("{:.2e}", *rad) : "-"; };
-    fmt::format_to(out, "{:<26} {:>12} {:>12}  {:<8} {}\n", scene.torque_names[i], angle(effect.periodic_rad),
-                   angle(effect.secular_rad), effect.kept ? "kept" : "dropped", effect.why);
+    fmt::format_to(out, "{:<26} {:>12} {:>12}  {:<8} {}\n", printable(scene.torque_names[i]),
+                   angle(effect.periodic_rad), angle(effect.secular_rad), effect.kept ? "kept" : "dropped", effect.why);
   }
   fmt::format_to(out, "\nmodel      {} ({})\nerror      at most {:.2e} rad, of which dropped effects {:.2e}\n",
                  plan.model, plan.why, plan.error_rad, plan.dropped_rad);

@@ -72,6 +72,27 @@ class Program(unittest.TestCase):
         self.assertIn("standard input:1: ", done.stderr)
         self.assertIn("allowed: TT", done.stderr)
 
+    def test_what_a_file_says_moves_no_cursor(self):
+        body = pathlib.Path(self.folder.name) / "body.toml"
+        toutatis = pathlib.Path(f"{DATA}/bodies/toutatis.toml").read_text()
+        body.write_text(toutatis.replace('name = "4179', 'name = "\\u001b[2J\\u009b1m\\nwarning: none'))
+        done = run("info", str(body))
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stdout.splitlines()[0], "\\x1b[2J\\x9b1m\\x0awarning: none Toutatis")
+        self.assertTrue(done.stdout.replace("\n", "").isprintable())
+        scene = pathlib.Path(self.folder.name) / "scene.toml"
+        text = pathlib.Path(f"{DATA}/scenes/spin-up.toml").read_text()
+        scene.write_text(text.replace('name = "', 'name = "\\u001b[2J').replace('body = "', f'body = "{DATA}/scenes/'))
+        done = run("plan", str(scene))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(done.stdout.replace("\n", "").isprintable())
+        message = pathlib.Path(self.folder.name) / "a.aem"  # not UTF-8
+        table = pathlib.Path(self.folder.name) / "t.aem"
+        run("propagate", f"{DATA}/samples/attitude/spinner.csv", "-o", str(table))
+        message.write_bytes(table.read_bytes().replace(b"OBJECT_NAME = ", b"OBJECT_NAME = \xe9"))
+        for option in [], ["--json"]:
+            self.assertEqual(run("info", *option, str(message), errors="replace").returncode, 0)
+
     def test_a_wrong_tolerance_is_refused_before_anything_is_said(self):
         table = f"{DATA}/samples/attitude/spinner.csv"
         for tolerance in ["1 x", "-1 rad", "nan rad"]:
