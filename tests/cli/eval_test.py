@@ -1,5 +1,6 @@
 """eval, methods and bench as a user meets them: eval_test.py POLHODE DATA_DIR. Exit status, streams, formats."""
 
+import json
 import math
 import os
 import pathlib
@@ -92,6 +93,37 @@ class Program(unittest.TestCase):
         message.write_bytes(table.read_bytes().replace(b"OBJECT_NAME = ", b"OBJECT_NAME = \xe9"))
         for option in [], ["--json"]:
             self.assertEqual(run("info", *option, str(message), errors="replace").returncode, 0)
+
+    def test_where_a_time_has_no_answer_nothing_is_written(self):
+        done = self.eval_text(GOOD + "t 1e12\n", "--method", "rk4", "--step", "0.01")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn(f"{self.case}: 1 of 3 times have no answer by method rk4", done.stderr)
+
+    def test_the_examples_of_eval_run(self):
+        examples = [line.split()[1:] for line in run("eval", "--help").stdout.splitlines() if line.startswith("  polhode eval")]
+        self.assertGreater(len(examples), 1)
+        for example in examples:
+            done = run(*example, cwd=f"{DATA}/..")
+            self.assertEqual((done.returncode, done.stderr), (0, ""), example)
+            self.assertNotIn("nan", done.stdout)
+
+    def test_a_rotator_without_moments_is_no_sphere(self):
+        rotator = f"{DATA}/samples/asteroid/spin.txt"
+        text = run("info", rotator).stdout
+        self.assertIn("Motion: principal-axis rotation\n", text)
+        self.assertIn("the moments of inertia are not known", text)
+        for untrue in ["sphere", "1, 1, 1", "1 : 1", "known as ratios"]:
+            self.assertNotIn(untrue, text)
+        (report,) = json.loads(run("info", "--json", rotator).stdout)
+        self.assertNotIn("inertia", report)
+        self.assertEqual(set(report["motion"]) & {"twice_energy_ratios_rad2_s2", "separatrix_offset"}, set())
+        out = str(pathlib.Path(self.folder.name) / "a.fits")
+        span = ["--stop", "+1 h", "--count", "3"]
+        self.assertEqual(run("propagate", rotator, "-o", out, *span).returncode, 0)
+        self.assertNotIn(b"INERTIA1", pathlib.Path(out).read_bytes())
+        done = run("propagate", rotator, "-o", out, *span, "--momentum")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("needs an inertia", done.stderr)
 
     def test_a_wrong_tolerance_is_refused_before_anything_is_said(self):
         table = f"{DATA}/samples/attitude/spinner.csv"
