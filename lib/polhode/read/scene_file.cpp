@@ -221,9 +221,22 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   }
   const std::string frame_name = root.text("frame");
   scene.frame = root.located("frame", [&] { return inertial_frame(frame_name); });
+  // "30 d": a bare number would be seconds or radians, which its writer need not have meant.
+  const auto quantity = [&](std::string_view key, std::string_view example) {
+    const auto wanted = [&](const std::string& found) {
+      return root.error(key, fmt::format("found {}, a number with its unit is wanted, in quotes, as {} = \"{}\"", found,
+                                         key, example));
+    };
+    if (root.has(key) && root.is_number(key)) throw wanted("a number");
+    std::string text = root.text(key);
+    if (const auto bare = parse_number(trimmed(text)); bare && *bare != 0.0) {
+      throw wanted(fmt::format("'{:.40}' without a unit", text));
+    }
+    return text;
+  };
   const auto duration_s = [&](std::string_view key) {
     if (!root.has(key)) return 0.0;
-    const std::string text = root.text(key);
+    const std::string text = quantity(key, "30 d");
     const Seconds span = root.located(key, [&] { return parse_duration(text); });
     if (!(span.high >= 0.0)) throw root.error(key, fmt::format("found '{}', a span of 0 or more is wanted", text));
     return span.high + span.low;
@@ -232,7 +245,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   scene.last_s = duration_s("after");
   if (scene.first_s == scene.last_s)
     throw root.error("after", "the span is empty; 'before' or 'after' says how long it is");
-  const std::string accuracy = root.text("accuracy");
+  const std::string accuracy = quantity("accuracy", "0.1 deg");
   scene.accuracy_rad = root.located("accuracy", [&] { return parse_tolerance_rad(accuracy); });
   if (root.has("period_uncertainty")) scene.body.period_uncertainty = root.positive_number("period_uncertainty");
   const Orbits orbits = read_orbits(root, scene, folder, content_of);

@@ -211,6 +211,11 @@ std::string_view TomlTable::one_of(std::initializer_list<std::string_view> keys)
   return found;
 }
 
+bool TomlTable::is_number(std::string_view key) const {
+  const toml::node* value = node_->table->get(key);
+  return value != nullptr && value->is_number();
+}
+
 std::optional<std::string> TomlTable::optional_text(std::string_view key) const {
   const toml::node* value = node_->table->get(key);
   if (value == nullptr) return std::nullopt;

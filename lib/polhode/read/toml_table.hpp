@@ -20,6 +20,7 @@ class TomlTable {
   static TomlTable parse(std::string_view text, const std::string& path);
 
   bool has(std::string_view key) const;
+  bool is_number(std::string_view key) const;
   std::vector<std::string> keys() const;
   /// Refuses any key that is not among these.
   void allow_only(std::initializer_list<std::string_view> keys) const;
