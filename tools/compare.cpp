@@ -96,9 +96,11 @@ void run(const Options& options) {
         d.outside == 0 ? "" : fmt::format(" ({} more lie outside of the other)", d.outside), angle(d.largest_rad),
         where, name(rows.scale), angle(d.root_mean_square_rad)));
   }
-  for (const std::optional<AttitudeHistory>* history : {&a, &b}) {
+  for (const auto& [history, file] : {std::pair(&a, &options.first), std::pair(&b, &options.second)}) {
     if (!*history) continue;
-    for (const std::string& warning : (*history)->warnings) say(warning);
+    for (const std::string& warning : (*history)->warnings) {
+      say(warning.starts_with(*file) ? "warning: " + warning : fmt::format("warning: {}: {}", *file, warning));
+    }
   }
   if (d.largest_rad > tolerance_rad) {
     throw CheckFailed(

@@ -37,7 +37,7 @@ void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string
 
 /// Adds a row; times increase, quaternions are unit.
 void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const SourceLocation& where) {
-  const double norm = sample.q_frame_from_body.norm();
+  const double norm = sample.q_frame_from_body.coeffs().stableNorm();
   if (!(std::abs(norm - 1.0) <= 1e-3)) {
     throw InputError(
         where, fmt::format("row {}: the quaternion has length {:.6g}, it must be 1", segment.samples.size() + 1, norm));
