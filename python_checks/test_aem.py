@@ -9,7 +9,7 @@ from astropy.time import Time
 from brahe.ccsds import AEM
 from ccsds_ndm.ndm_io import NdmIo
 from scipy.spatial.transform import Rotation
-from support import SPINNER, TOUTATIS, assert_within, propagate, sign_is_continuous
+from support import SPINNER, TOUTATIS, assert_within, propagate, run, sign_is_continuous
 
 SPAN = ("--start", "1992-12-01 TDB", "--stop", "+9 d", "--step", "1 h")
 TYPES = list(NUMBERS)
@@ -141,6 +141,25 @@ def test_leap_second(tmp_path):
         "2016-12-31T23:59:60.500",
         "2017-01-01T00:00:00.000",
     ]
+
+
+def test_no_line_is_longer_than_the_standard_allows(tmp_path):
+    body = tmp_path / "body.toml"
+    source = "words of a source, " * 100 + "ü" * 600 + " and an end"
+    body.write_text(SPINNER.replace("a test", source))
+    for ending in ("aem", "xml"):
+        text = propagate(body, tmp_path / f"a.{ending}", "--stop", "+1 min", "--count", "3").read_text()
+        if ending == "aem":
+            assert max(len(line.encode()) for line in text.splitlines()) <= 254
+            words = "".join(line.removeprefix("COMMENT") for line in text.splitlines() if line.startswith("COMMENT"))
+        else:
+            words = text
+        assert source.replace(" ", "") in words.replace(" ", "")
+    body.write_text(SPINNER.replace("spinner", "a" * 241))
+    result = run("propagate", body, "-o", tmp_path / "b.aem", "--stop", "+1 min", "--count", "3", check=False)
+    assert result.returncode == 2 and "OBJECT_NAME has 241 bytes" in result.stderr
+    assert not (tmp_path / "b.aem").exists()
+    propagate(body, tmp_path / "b.xml", "--stop", "+1 min", "--count", "3")
 
 
 @pytest.mark.parametrize("ending", ["aem", "csv", "ecsv"])

@@ -142,3 +142,10 @@ def test_figures_that_cannot_be_written(speed, tmp_path):
     (tmp_path / "file").write_text("")
     run = run_plot(speed, "-o", tmp_path / "file")
     assert run.returncode == 3 and run.stderr.count("\n") == 1, run.stderr
+
+
+def test_a_chart_without_a_row_is_an_error(tmp_path):
+    command = [POLHODE, "chart", "torqued", ROOT / "data/scenes/envisat-month.toml", "--size", "0.01", "-o", tmp_path / "charts"]
+    result = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert result.returncode == 1 and "no table is written" in result.stderr and "a larger --size" in result.stderr
+    assert not (tmp_path / "charts").exists()

@@ -205,3 +205,60 @@ def test_every_option_takes_the_same_units(tmp_path):
 def test_help_has_examples(command):
     text = run(command, "--help").stdout
     assert "Examples:" in text and f"polhode {command}" in text.split("Examples:")[1]
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        (("--stop", "+1 d", "--step", "1 x"), "polhode: --step: '1 x' is no span of time: "),
+        (("--stop", "+1 d", "--step", "0"), "polhode: --step: the step is 0 s; it must be positive"),
+        (("--stop", "60 d", "--count", "2"), "polhode: --stop: '60 d' is a span of time, not a date"),
+        (("--start", "soon", "--stop", "+1 d", "--count", "2"), "polhode: --start: 'soon' is not a date"),
+        (("--stop", "+1 d", "--tolerance", "1 x"), "polhode: --tolerance: '1 x' is no angle: "),
+        (("--stop", "+1 d"), "one of --step and --count and --tolerance is needed"),
+        (("--stop", "+1 d", "--step", "1 h", "--count", "2"), "--step, --count and --tolerance each say where rows are: one of them"),
+        (("--step", "1 h"), '--stop is missing, the last time, as --stop "+1 d"'),
+    ],
+)
+def test_messages_name_the_option(tmp_path, options, message):
+    assert message in refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", *options)
+    history = ROOT / "data/samples/attitude/spinner.ecsv"
+    if message.startswith("polhode: --st"):
+        assert message in refused("propagate", history, "-o", tmp_path / "a.csv", *options)
+
+
+def test_warnings_say_so_and_name_their_file(tmp_path):
+    table = ROOT / "data/samples/attitude/spinner.csv"
+    warning = f"polhode: warning: {table}: the table has no column frame; ICRF is assumed\n"
+    assert warning in run("propagate", table, "-o", tmp_path / "a.csv").stderr
+    assert warning in run("compare", table, table).stderr
+    rotator = ROOT / "data/samples/asteroid/spin.txt"
+    stderr = run("propagate", rotator, "-o", tmp_path / "b.csv", "--stop", "+1 h", "--count", "2").stderr
+    assert f"polhode: warning: {rotator}: frame assumed: ecliptic of J2000" in stderr
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        ('accuracy = "1 deg"', "accuracy = 0.1", 'accuracy: found a number, a number with its unit is wanted, in quotes, as accuracy = "0.1 deg"'),
+        ('accuracy = "1 deg"', 'accuracy = "0.1"', "accuracy: found '0.1' without a unit, a number with its unit is wanted"),
+        ('after = "30 d"', 'after = "20"', "after: found '20' without a unit, a number with its unit is wanted, in quotes, as after = \"30 d\""),
+        ('after = "30 d"', "after = 20", "after: found a number, a number with its unit is wanted"),
+        (f'body = "{ROOT}/data/scenes/bodies/envisat-2013.toml"', 'body = ""', "body: found '', the name of a file is wanted"),
+    ],
+)
+def test_quantities_of_scenes_need_their_units(tmp_path, old, new, message):
+    path, line = scene(tmp_path, old, new)
+    assert f"{path}:{line}: {message}" in refused("plan", path)
+
+
+def test_a_date_may_have_a_blank_before_its_z():
+    dates = [run("convert-time", "--to", "TT", input=f"2029-04-13T21:46:00{z}\n").stdout for z in ("Z", " Z", " z", " UTC")]
+    assert len(set(dates)) == 1
+
+
+def test_lengths_of_quaternions_that_overflow_are_said(tmp_path):
+    table = tmp_path / "a.csv"
+    table.write_text((ROOT / "data/samples/attitude/spinner.csv").read_text().replace(",0,0,0,1,", ",1e308,1e308,0,1,"))
+    stderr = refused("info", table)
+    assert "the quaternion has length 1.41421e+308, it must be 1" in stderr

@@ -210,3 +210,9 @@ def test_what_is_there_keeps_its_mode_and_its_link(tmp_path, ephemeris):
     assert plot(ephemeris, "-o", tmp_path / "link.png").returncode == 0
     assert (tmp_path / "link.png").is_symlink() and target.read_bytes().startswith(b"\x89PNG")
     assert target.stat().st_mode & 0o777 == 0o600
+
+
+def test_a_scene_is_drawn_as_far_as_it_lasts(tmp_path):
+    result = plot(ROOT / "data/scenes/spin-up.toml", "-o", tmp_path / "a.svg")  # 1800 s, twenty turns would be 3500 s
+    assert result.returncode == 0, result.stderr
+    assert b"2025-01-01 00:00:00 to 2025-01-01 00:30:00" in (tmp_path / "a.svg").read_bytes()

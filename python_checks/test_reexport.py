@@ -81,9 +81,45 @@ def test_own_rows_in_every_format(tmp_path):
         out = Table.read(propagate(source, tmp_path / f"a.{ending}"), format=f"ascii.{ending}")
         assert_within(np.abs(np.stack([out[n] for n in ("q_x", "q_y", "q_z", "q_scalar")], axis=1) - q), 1e-15)
     # And what was written is a history again.
-    for ending in ("fits", "aem", "ecsv"):
+    for ending in ("fits", "aem", "csv", "ecsv"):
         again = propagate(tmp_path / f"a.{ending}", tmp_path / f"again-{ending}.fits")
         assert_within(np.abs(Table.read(again, hdu="ATTITUDE")["QPARAM"] - q), 1e-15)
+
+
+@pytest.mark.parametrize("ending", ["csv", "ecsv", "fits", "aem"])
+def test_the_frame_comes_back(tmp_path, ending):
+    options = ("--step", "1", "--frame", "ECLIPJ2000")
+    first = propagate(history(tmp_path / "in.aem"), tmp_path / f"a.{ending}", *options)
+    (report,) = json.loads(run("info", "--json", first).stdout)
+    assert report["history"]["segments"][0]["frame"] == "ECLIPJ2000"
+    assert not any("ICRF" in warning for warning in report["warnings"])
+    back = Table.read(propagate(first, tmp_path / "back.fits", "--frame", "ICRF"), hdu="ATTITUDE")
+    assert back.meta["REFFRAMA"] == "ICRF"
+    wanted = Table.read(propagate(tmp_path / "in.aem", tmp_path / "wanted.fits", "--step", "1"), hdu="ATTITUDE")
+    assert_within((Rotation.from_quat(back["QPARAM"]).inv() * Rotation.from_quat(wanted["QPARAM"])).magnitude(), 1e-14)
+
+
+@pytest.mark.parametrize("name", ["RTN", 'MY "FRAME", NO. 1', "#1"])
+def test_a_frame_of_any_name_comes_back_from_csv(tmp_path, name):
+    source = history(tmp_path / "in.aem")
+    source.write_text(source.read_text().replace("REF_FRAME_A = ICRF", f"REF_FRAME_A = {name}"))
+    table = Table.read(propagate(source, tmp_path / "a.csv"), format="ascii.csv")
+    assert set(table["frame"]) == {name}
+    rows = [json.loads(line) for line in propagate(source, tmp_path / "a.jsonl").read_text().splitlines()]
+    assert {row["frame"] for row in rows} == {name}
+    (report,) = json.loads(run("info", "--json", tmp_path / "a.csv").stdout)
+    assert report["history"]["segments"][0]["frame"] == name
+
+
+def test_a_table_of_text_has_one_frame_and_json_lines_are_not_read(tmp_path):
+    table = propagate(history(tmp_path / "in.aem"), tmp_path / "a.csv")
+    lines = table.read_text().splitlines()
+    lines[2] = lines[2].replace(",ICRF", ",GCRF")
+    table.write_text("\n".join(lines) + "\n")
+    assert f"{table}:3: the frame is 'GCRF', after 'ICRF'" in run("info", table, check=False).stderr
+    json_lines = propagate(tmp_path / "in.aem", tmp_path / "a.jsonl")
+    result = run("propagate", json_lines, "-o", tmp_path / "b.csv", check=False)
+    assert result.returncode == 2 and "JSON lines, which are written but not read" in result.stderr
 
 
 @pytest.mark.parametrize(

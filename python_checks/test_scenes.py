@@ -120,3 +120,30 @@ def test_a_scene_refuses_what_it_does_not_cover(tmp_path):
         result = run("propagate", SCENES / "spin-up.toml", "-o", tmp_path / "x.fits", *options, check=False)
         assert result.returncode == 2, (options, result.stderr)
         assert not (tmp_path / "x.fits").exists()
+
+
+def test_a_scene_ends_where_it_says(tmp_path):
+    scene = SCENES / "spin-up.toml"  # 30 minutes
+    for options, rows in [(["--step", "600 s"], 4), (["--start", "+10 min", "--step", "600 s"], 3), (["--start", "+10 min", "--count", "5"], 5)]:
+        run("propagate", scene, "-o", tmp_path / "a.fits", *options)
+        times = Table.read(tmp_path / "a.fits", 1)["TIME"]
+        assert len(times) == rows
+        last = times[-1]
+        run("propagate", scene, "-o", tmp_path / "whole.fits", "--count", "2")
+        assert abs(last - Table.read(tmp_path / "whole.fits", 1)["TIME"][-1]) < 1e-6
+    for options in ["--stop", "+1 h", "--count", "2"], ["--start", "-1 s", "--count", "2"], ["--stop", "+1 h", "--tolerance", "1 deg"], ["--times", "2050-01-01 TT"]:
+        refused = run("propagate", scene, "-o", tmp_path / "b.fits", *options, check=False)
+        assert refused.returncode == 2 and not (tmp_path / "b.fits").exists()
+        assert f"{scene}: the scene lasts from " in refused.stderr and "--stop or --times" in refused.stderr
+
+
+def test_plan_says_the_users_units(tmp_path):
+    text = run("plan", SCENES / "envisat-month.toml").stdout
+    assert "from the epoch (0 s to 30 d)" in text and "accuracy   0.0175 rad (1 deg)" in text
+    assert " deg), of which dropped effects " in text
+
+
+def test_toutatis_keeps_what_its_body_says_of_the_periods():
+    text = run("plan", SCENES / "toutatis-1992-2008.toml").stdout
+    assert "known to 0.001 of themselves (one sigma)" in text
+    assert "what is asked for lies beyond that, up to 16 years from the epoch" in text

@@ -66,7 +66,7 @@ def test_a_free_body_is_known_before_its_epoch(tmp_path):
     assert np.max(np.abs((rows - epoch).to_value("s") - 86400 * np.array([-2, -1, 0]))) < 1e-8
     # Seen from there, the same motion.
     same = propagate(TOUTATIS, tmp_path / "b.csv", "--times", "1992-11-07T17:49:47 UTC")
-    first, other = (np.array(p.read_text().splitlines()[1].split(",")[1:], float) for p in (out, same))
+    first, other = (np.array(p.read_text().splitlines()[1].split(",")[1:-1], float) for p in (out, same))
     assert np.max(np.abs(first - other)) < 1e-9
 
 
@@ -101,6 +101,39 @@ def test_a_table_with_dates_is_a_list(tmp_path, kind):
     if kind == "csv":
         table.write_text("magnitude,date_utc\n15.2,1993-01-01\n15.3\n")
         assert f"{table}:3: 1 cells; 2 are wanted" in refused("propagate", TOUTATIS, "-o", out, "--times", table)
+
+
+@pytest.mark.parametrize("delimiter", [" ", ","])
+@pytest.mark.parametrize("kind", ["isot", "iso", "jd", "mjd", "jd1_jd2"])
+def test_times_that_astropy_wrote_are_a_list(tmp_path, kind, delimiter):
+    wanted = Time(["1993-01-01T00:00:00.5", "1993-01-02T12:00:00"], scale="utc")
+    wanted.format = "jd" if kind == "jd1_jd2" else kind
+    table = tmp_path / "observations.ecsv"
+    columns = {"note": ["the first, of two", "b"], "time of": wanted, "magnitude": [15.2, 15.3]}
+    method = {"serialize_method": {"time of": "jd1_jd2"}} if kind == "jd1_jd2" else {}
+    Table(columns).write(table, format="ascii.ecsv", delimiter=delimiter, **method)
+    out = propagate(TOUTATIS, tmp_path / "out.csv", "--times", table, "--scale", "TAI")
+    assert np.max(np.abs((Time(dates(out), scale="tai") - wanted).to_value("s"))) < 3e-5 * (kind in ("jd", "mjd")) + 1e-6
+
+
+def test_a_list_that_is_none_says_what_one_is(tmp_path):
+    table = tmp_path / "list"
+    for text, message in [
+        (b"jd,mag\n2448989.5,15.2\n", f"{table}:1: 'jd,mag' is no date, and names no column of dates"),
+        (b"1993-01-01,15.2\n", f"{table}:1: '1993-01-01,15.2' is no date, and names no column of dates"),
+        (b"JD 2448989.5\n", "needs its time scale"),
+        (b"1993-13-01 UTC\n", "no such date"),
+        (b"\0\1\2", f"{table}: is no text; a list of times is a file of text"),
+    ]:
+        table.write_bytes(text)
+        assert message in refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", table)
+    rows = propagate(TOUTATIS, tmp_path / "rows.fits", "--stop", "+1 d", "--count", "3")
+    assert f"{rows}: is no text; " in refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", rows)
+    wanted = Time(["1993-01-01", "1993-01-02"], scale="utc")
+    wanted.format = "unix"
+    Table({"time": wanted}).write(table, format="ascii.ecsv", overwrite=True)
+    message = refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", table)
+    assert f"{table}:" in message and "astropy's format unix; isot, iso, jd and mjd are read" in message
 
 
 @pytest.mark.parametrize("scale", ["TT", "TAI", "UTC", "TDB", "GPS", "ET"])

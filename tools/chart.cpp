@@ -215,7 +215,6 @@ void chart_torqued(const ChartOptions& options) {
   for (const std::string& text : or_standard(options.bodies, "/", kStandardTorqued)) {
     subjects.push_back(read_torqued_subject(text));
   }
-  make_folder(options.folder);
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> comments =
       provenance("cost against accuracy under torques; the reference is extrapolation in long double");
@@ -243,6 +242,11 @@ void chart_torqued(const ChartOptions& options) {
     }
   }
   tell("");
+  if (rows.empty()) {
+    throw CheckFailed(
+        "no table is written: of nothing asked for did the reference reach the end; a larger --size goes further");
+  }
+  make_folder(options.folder);
   const std::string path = options.folder + "/torqued.ecsv";
   write_ecsv_table(path, comments,
                    {{"body", "", "string", "file's name"},

@@ -83,22 +83,24 @@ void run(const Options& options) {
                                      {"root_mean_square_rad", d.root_mean_square_rad},
                                      {"largest_at", where},
                                      {"scale", name(rows.scale)}};
-    write_standard_output(out.dump(2) + "\n");
+    write_standard_output(out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   } else {
     const auto angle = [](double rad) {
       return fmt::format("{:.6g} rad = {:.6g} deg = {:.6g} arcsec", rad, rad * degrees, rad * arcseconds);
     };
-    write_standard_output(
-        fmt::format("angle between attitudes, {} and {}\n  times                         {} rows of {}{}\n"
-                    "  largest                       {}\n  at                            {} {}\n"
-                    "  root mean square              {}\n",
-                    options.first, options.second, d.compared, a ? options.first : options.second,
-                    d.outside == 0 ? "" : fmt::format(" ({} more lie outside of the other)", d.outside),
-                    angle(d.largest_rad), where, name(rows.scale), angle(d.root_mean_square_rad)));
+    write_standard_output(fmt::format(
+        "angle between attitudes, {} and {}\n  times                         {} rows of {}{}\n"
+        "  largest                       {}\n  at                            {} {}\n"
+        "  root mean square              {}\n",
+        printable(options.first), printable(options.second), d.compared, printable(a ? options.first : options.second),
+        d.outside == 0 ? "" : fmt::format(" ({} more lie outside of the other)", d.outside), angle(d.largest_rad),
+        where, name(rows.scale), angle(d.root_mean_square_rad)));
   }
-  for (const std::optional<AttitudeHistory>* history : {&a, &b}) {
+  for (const auto& [history, file] : {std::pair(&a, &options.first), std::pair(&b, &options.second)}) {
     if (!*history) continue;
-    for (const std::string& warning : (*history)->warnings) say(warning);
+    for (const std::string& warning : (*history)->warnings) {
+      say(warning.starts_with(*file) ? "warning: " + warning : fmt::format("warning: {}: {}", *file, warning));
+    }
   }
   if (d.largest_rad > tolerance_rad) {
     throw CheckFailed(

@@ -1,9 +1,13 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
-#include <iostream>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "dates.hpp"
@@ -18,12 +22,29 @@
 namespace polhode::tools {
 namespace {
 
+/// All of standard input. Throws FileError if it cannot be read: is closed, a directory, broken.
+std::string standard_input() {
+  constexpr std::size_t at_once = 1U << 16U;
+  std::string text;
+  while (true) {
+    const std::size_t end = text.size();
+    text.resize(end + at_once);
+    const ssize_t count = ::read(STDIN_FILENO, text.data() + end, at_once);
+    text.resize(end + static_cast<std::size_t>(std::max<ssize_t>(count, 0)));
+    if (count == 0) return text;
+    if (count < 0 && errno != EINTR) {
+      throw FileError(fmt::format("cannot read standard input: {}", std::strerror(errno)));
+    }
+  }
+}
+
 // Each line of standard input through `convert`; its result is a line of output.
 template <class Convert>
 void filter_lines(const Convert& convert) {
+  std::istringstream lines(standard_input());
   std::string line;
   fmt::memory_buffer out;
-  for (std::size_t number = 1; std::getline(std::cin, line); ++number) {
+  for (std::size_t number = 1; std::getline(lines, line); ++number) {
     try {
       fmt::format_to(std::back_inserter(out), "{}\n", convert(line));
     } catch (const InputError& error) {

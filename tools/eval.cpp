@@ -85,11 +85,12 @@ void eval(const EvalOptions& options) {
     fmt::format_to(std::back_inserter(text), "{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", q[0], q[1],
                    q[2], q[3], m[0], m[1], m[2]);
   }
-  write_standard_output({text.data(), text.size()});
   if (failed != 0) {
     throw CheckFailed(
-        fmt::format("{} of {} rows are not finite (method {})", failed, wanted.times_s.size(), options.method));
+        fmt::format("{}: {} of {} times have no answer by method {} within its limit of work; nothing is written",
+                    options.case_file, failed, wanted.times_s.size(), options.method));
   }
+  write_standard_output({text.data(), text.size()});
   const auto* torqued = dynamic_cast<const TorquedMotion*>(motion.get());
   if (torqued != nullptr && torqued->outcome() != Outcome::done) {
     throw CheckFailed(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was asked for (method {})",
@@ -105,7 +106,8 @@ void add_eval(CLI::App& app) {
   CLI::App* command = app.add_subcommand("eval", "States of a case file: a line q0 q1 q2 q3 m1 m2 m3 per time");
   command->footer(
       "Examples:\n  polhode eval data/truth/dev/sam-01.case\n"
-      "  polhode eval --method rk4 --step 0.01 data/truth/dev/sam-01.case");
+      "  polhode eval --method legendre data/truth/dev/sam-01.case\n"
+      "  polhode eval --tolerance 1e-8 data/truth/torqued/combined-01.case");
   command
       ->add_option("--method", options->method,
                    "Name from `polhode methods`, or auto; under torques a splitting scheme or extrapolation")

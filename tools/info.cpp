@@ -77,7 +77,7 @@ Report report_on(const std::string& path) {
   }
   if (!body.inertia) {
     body.warnings.push_back("no inertia is given: nothing can be said about the motion");
-  } else if (!body.inertia->absolute) {
+  } else if (!body.inertia->absolute && !body.any_inertia) {
     body.warnings.push_back(
         "the inertia is known as ratios only: free motion needs no more, torques cannot be computed");
   }
@@ -107,17 +107,17 @@ class Page {
  public:
   template <class... Arguments>
   void heading(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
-    fmt::format_to(std::back_inserter(text_), format, std::forward<Arguments>(arguments)...);
-    text_.push_back('\n');
+    line(fmt::format(format, std::forward<Arguments>(arguments)...));
   }
-  void row(std::string_view label, std::string_view value) {
-    fmt::format_to(std::back_inserter(text_), "  {:<32}{}\n", label, value);
-  }
+  void row(std::string_view label, std::string_view value) { line(fmt::format("  {:<32}{}", label, value)); }
   void gap() { text_.push_back('\n'); }
-  std::string_view view() const { return {text_.data(), text_.size()}; }
+  std::string_view view() const { return text_; }
 
  private:
-  fmt::memory_buffer text_;
+  /// What a file says is printed, not obeyed.
+  void line(std::string_view text) { text_.append(printable(text)).push_back('\n'); }
+
+  std::string text_;
 };
 
 void print_axis(Page& page, int principal, const AxisMotion& axis) {
@@ -153,7 +153,7 @@ void print(Page& page, const Report& report) {
   page.row("file", report.path);
   if (!body.id.empty()) page.row("id", body.id);
   if (!body.source.empty()) page.row("source", body.source);
-  if (body.inertia) {
+  if (body.inertia && !body.any_inertia) {
     const Inertia& inertia = *body.inertia;
     page.gap();
     page.heading("Inertia{}", inertia.absolute ? ", kg m2" : ", ratios");
@@ -183,14 +183,14 @@ void print(Page& page, const Report& report) {
   if (report.spin) {
     const SpinInvariants& spin = *report.spin;
     page.gap();
-    page.heading("Motion: {}", name(spin.mode));
+    page.heading("Motion: {}", name(body.any_inertia ? RotationMode::principal_axis : spin.mode));
     if (spin.rotation_axis >= 0) page.row("axis", axis_words[spin.rotation_axis]);
     if (spin.rotation_period_s) page.row("rotation period", duration(*spin.rotation_period_s));
     if (report.momentum_icrf) {
       page.row("angular momentum L, ecliptic", in_degrees(direction_of(*report.momentum_ecliptic)) + " (ECLIPJ2000)");
       page.row("angular momentum L, equatorial", in_degrees(direction_of(*report.momentum_icrf)) + " (ICRF)");
     }
-    if (spin.mode != RotationMode::rest) {
+    if (spin.mode != RotationMode::rest && !body.any_inertia) {
       page.row("energy E/E0 = 2 E I3 / L^2", fmt::format("{:.7g}", 1.0 + spin.energy_above_ground));
       page.row("1 - 2 E I2 / L^2", fmt::format("{:+.4g}", spin.separatrix_offset));
     }
@@ -241,7 +241,7 @@ Json json(const AttitudeHistory& history) {
 Json json(const Report& report) {
   const Body& body = report.body;
   Json out{{"file", report.path}, {"name", body.name}, {"id", body.id}, {"source", body.source}};
-  if (body.inertia) {
+  if (body.inertia && !body.any_inertia) {
     const Inertia& inertia = *body.inertia;
     Json axes = Json::array();
     for (int k = 0; k < 3; ++k) axes.push_back(list(inertia.named_from_principal.col(k)));
@@ -264,17 +264,21 @@ Json json(const Report& report) {
   if (report.spin) {
     const SpinInvariants& spin = *report.spin;
     const bool absolute = body.inertia->absolute;
-    Json motion{{"mode", name(spin.mode)},
-                {absolute ? "momentum_N_m_s" : "momentum_ratios_rad_s", spin.momentum},
-                {absolute ? "twice_energy_J" : "twice_energy_ratios_rad2_s2", spin.twice_energy}};
+    Json motion{{"mode", name(body.any_inertia ? RotationMode::principal_axis : spin.mode)}};
+    if (!body.any_inertia) {
+      motion[absolute ? "momentum_N_m_s" : "momentum_ratios_rad_s"] = spin.momentum;
+      motion[absolute ? "twice_energy_J" : "twice_energy_ratios_rad2_s2"] = spin.twice_energy;
+    }
     if (spin.rotation_axis >= 0) motion["axis"] = axis_words[spin.rotation_axis];
     if (spin.rotation_period_s) motion["rotation_period_s"] = *spin.rotation_period_s;
     if (report.momentum_icrf) {
       motion["momentum_ecliptic_deg"] = json(direction_of(*report.momentum_ecliptic));
       motion["momentum_equatorial_deg"] = json(direction_of(*report.momentum_icrf));
     }
-    motion["energy_above_ground_relative"] = spin.energy_above_ground;  // E/E0 - 1
-    motion["separatrix_offset"] = spin.separatrix_offset;
+    if (!body.any_inertia) {
+      motion["energy_above_ground_relative"] = spin.energy_above_ground;  // E/E0 - 1
+      motion["separatrix_offset"] = spin.separatrix_offset;
+    }
     if (spin.polhode_period_s) {
       motion["separatrix_distance"] = *spin.separatrix_distance;
       motion["polhode_period_s"] = *spin.polhode_period_s;  // null where infinite
@@ -307,11 +311,18 @@ void add_info(CLI::App& app) {
     bool as_json = false;
   };
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("info", "What a body file says: mode, periods, angular momentum, energy");
+  CLI::App* command =
+      app.add_subcommand("info", "What a file of a body or of attitudes says: mode, periods, angular momentum, energy");
   command->footer(
       "Examples:\n  polhode info data/bodies/toutatis.toml\n"
-      "  polhode info --json data/bodies/*.toml");
-  command->add_option("FILE", options->files, "body files")->required();
+      "  polhode info --json data/bodies/*.toml\n"
+      "  polhode info ephemeris.fits\n"
+      "  polhode info asteroid_models.csv#1234");
+  command
+      ->add_option("FILE", options->files,
+                   "body files (TOML), CCSDS messages (APM, AEM, ACM), tables of attitudes (FITS, CSV, ECSV), DAMIT's "
+                   "spin.txt, shape.txt and tables (FILE#ID), SHAPE models, meshes (OBJ, PLY, STL)")
+      ->required();
   command->add_flag("--json", options->as_json, "a JSON list, one object for each file");
   command->callback([options] {
     Page page;
@@ -325,7 +336,8 @@ void add_info(CLI::App& app) {
         print(page, report);
       }
     }
-    write_standard_output(options->as_json ? all.dump(2) + "\n" : std::string(page.view()));
+    write_standard_output(options->as_json ? all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
+                                           : std::string(page.view()));
   });
 }
 

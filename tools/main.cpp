@@ -79,7 +79,9 @@ int main(int argc, char** argv) {
   } catch (const polhode::FileError& error) {
     return fail(3, error);
   } catch (const std::bad_alloc&) {
-    return fail(3, std::runtime_error("there is not enough memory for this"));
+    std::string command = "there is not enough memory for: polhode";
+    for (int i = 1; i < argc; ++i) command.append(" ").append(argv[i]);
+    return fail(3, std::runtime_error(command));
   } catch (const std::exception& error) {
     return fail(3, error);
   }

@@ -20,16 +20,29 @@ void write_standard_output(std::string_view text) {
   throw FileError(message);
 }
 
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const auto c = static_cast<unsigned char>(text[i]);
+    const auto next = static_cast<unsigned char>(i + 1 < text.size() ? text[i + 1] : '\0');
+    if (c < 0x20 || c == 0x7f) {
+      out += fmt::format("\\x{:02x}", c);
+    } else if (c == 0xc2 && next >= 0x80 && next < 0xa0) {  // U+0080 to U+009F
+      out += fmt::format("\\x{:02x}", next);
+      ++i;
+    } else {
+      out += text[i];
+    }
+  }
+  return out;
+}
+
 void say(std::string_view text) {
   constexpr std::size_t most = 1000, kept_at_begin = 600, kept_at_end = 300;
   std::string shown(text);
   if (shown.size() > most) shown.replace(kept_at_begin, shown.size() - kept_at_begin - kept_at_end, " [...] ");
-  std::string line = "polhode: ";
-  for (const char c : shown) {
-    const bool is_control = static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
-    is_control ? line += fmt::format("\\x{:02x}", c) : line += c;
-  }
-  line += '\n';
+  const std::string line = "polhode: " + printable(shown) + "\n";
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 

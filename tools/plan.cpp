@@ -11,6 +11,7 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/read/scene_file.hpp"
+#include "polhode/time/duration_text.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -21,6 +22,12 @@ struct PlanOptions {
   bool full = false;
 };
 
+std::string angle_text(double rad) {
+  constexpr double least_deg = 1e-3, arcseconds = 3600.0;  // in a degree
+  const double deg = rad * degrees;
+  return deg >= least_deg ? fmt::format("{:.3g} deg", deg) : fmt::format("{:.3g} arcsec", deg * arcseconds);
+}
+
 void print_plan(const PlanOptions& options) {
   const Scene scene = read_scene(options.scene_file);
   const FreeBody body = in_file(options.scene_file, [&] { return free_body(scene.body, scene.frame); });
@@ -29,22 +36,25 @@ void print_plan(const PlanOptions& options) {
   });
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
-  fmt::format_to(out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch\naccuracy   {:.3g} rad\n",
-                 scene.name, scene.first_s, scene.last_s, scene.accuracy_rad);
+  fmt::format_to(
+      out, "scene      {}\nspan       {:.6g} s to {:.6g} s from the epoch ({} to {})\naccuracy   {:.3g} rad ({})\n",
+      printable(scene.name), scene.first_s, scene.last_s, duration_text(scene.first_s), duration_text(scene.last_s),
+      scene.accuracy_rad, angle_text(scene.accuracy_rad));
   fmt::format_to(out, "\n{:<26} {:>12} {:>12}  {:<8} {}\n", "effect", "periodic/rad", "secular/rad", "", "why");
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     const PlannedEffect& effect = plan.effects[i];
     const auto angle = [](const std::optional<double>& rad) { return rad ? fmt::format("{:.2e}", *rad) : "-"; };
-    fmt::format_to(out, "{:<26} {:>12} {:>12}  {:<8} {}\n", scene.torque_names[i], angle(effect.periodic_rad),
-                   angle(effect.secular_rad), effect.kept ? "kept" : "dropped", effect.why);
+    fmt::format_to(out, "{:<26} {:>12} {:>12}  {:<8} {}\n", printable(scene.torque_names[i]),
+                   angle(effect.periodic_rad), angle(effect.secular_rad), effect.kept ? "kept" : "dropped", effect.why);
   }
-  fmt::format_to(out, "\nmodel      {} ({})\nerror      at most {:.2e} rad, of which dropped effects {:.2e}\n",
-                 plan.model, plan.why, plan.error_rad, plan.dropped_rad);
+  fmt::format_to(out, "\nmodel      {} ({})\nerror      at most {:.2e} rad ({}), of which dropped effects {:.2e} rad\n",
+                 plan.model, plan.why, plan.error_rad, angle_text(plan.error_rad), plan.dropped_rad);
   fmt::format_to(out, "cost       {} ({})\n",
                  plan.torque_evaluations ? fmt::format("about {:.2g} torque evaluations", *plan.torque_evaluations)
                                          : "cannot be told before it runs",
                  plan.cost_why);
-  if (const auto caution = phase_warning(scene.body)) fmt::format_to(out, "caution    {}\n", *caution);
+  if (const auto caution = phase_warning(scene.body, std::max(-scene.first_s, scene.last_s)))
+    fmt::format_to(out, "caution    {}\n", *caution);
   write_standard_output({text.data(), text.size()});
 }
 

@@ -93,11 +93,13 @@ def read_motion(path):
 
 
 def propagated(body_file, folder):
-    """The ephemeris of a body file over some twenty turns."""
+    """The ephemeris of a body file or scene over some twenty turns, or as long as the scene lasts."""
     program, out = scripts.program(), Path(folder) / "body.fits"
 
-    def run(*options):
+    def run(*options, otherwise=None):
         result = subprocess.run([program, "propagate", body_file, "-o", out, *options], capture_output=True, text=True)
+        if result.returncode == 2 and otherwise and "the scene lasts" in result.stderr:
+            return run(*otherwise)
         if result.returncode != 0:
             error = scripts.FileError if result.returncode == 3 else InputError
             raise error(result.stderr.strip() or f"{program} ended with status {result.returncode}")
@@ -106,7 +108,7 @@ def propagated(body_file, folder):
     rate = np.linalg.norm(scripts.read_ephemeris(out).omega_body[0])
     if rate == 0:
         raise InputError(f"{body_file}: the body is at rest, there is nothing to draw")
-    run("--stop", f"+{20 * 2 * np.pi / rate:.9g} s", "--count", "6000")
+    run("--stop", f"+{20 * 2 * np.pi / rate:.9g} s", "--count", "6000", otherwise=("--count", "6000"))
     return out
 
 
@@ -380,7 +382,7 @@ def picture_format(path):
 
 def main():
     parser = scripts.Parser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("file", help="FITS ephemeris or body file")
+    parser.add_argument("file", help="FITS ephemeris, body file or scene")
     parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg (default: FILE's name with .png, beside FILE)")
     arguments = parser.parse_args()
     name = arguments.file.removesuffix(".gz")

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -25,6 +26,7 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/planner.hpp"
+#include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -53,11 +55,34 @@ struct PropagateOptions {
   bool history = false;                         // of a message that has a body as well
   bool frame_given = false;
   bool scale_given = false;
+  std::string scene_end;  // "+30 d" from the epoch: where a scene is, its last time
 };
 
 /// Dates that name no scale have that of --scale, where it is given.
 DateRule date_rule(const PropagateOptions& options, TimeScale rows) {
   return {rows, options.scale_given ? std::optional(rows) : std::nullopt};
+}
+
+/// Runs `work`, and puts the option before an InputError of its own.
+template <class Work>
+auto in_option(const std::string& option, const Work& work) {
+  return in_file(option, work);
+}
+
+Instant date_of(const char* option, const std::string& text, Instant from, const DateRule& rule, UtcDoubts& doubts) {
+  return in_option(option, [&] { return wanted_date(text, from, rule, doubts); });
+}
+
+Seconds step_of(const PropagateOptions& options) {
+  return in_option("--step", [&] {
+    const Seconds step = parse_duration(options.step);
+    if (!(step.high > 0.0)) throw InputError(fmt::format("the step is {} s; it must be positive", step.high));
+    return step;
+  });
+}
+
+double tolerance_of(const PropagateOptions& options) {
+  return in_option("--tolerance", [&] { return parse_tolerance_rad(options.tolerance); });
 }
 
 /// One grid per pair of --start and --stop, or one of the list.
@@ -73,10 +98,16 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
     return {TimeGrid::of_list(wanted_dates(options.times, rule, doubts), scale)};
   }
   const int spacings = int(!options.step.empty()) + int(options.count != 0) + int(!options.tolerance.empty());
-  if (spacings != 1) throw InputError("one of --step and --count and --tolerance is needed, or --times");
+  if (spacings == 0) {
+    throw InputError("one of --step and --count and --tolerance is needed, which say where rows are, or --times");
+  }
+  if (spacings > 1) throw InputError("--step, --count and --tolerance each say where rows are: one of them is allowed");
   const bool one_row = options.count == 1 && options.stops.empty();
-  if (options.stops.empty() && !one_row) throw InputError("--stop is missing");
-  if (!one_row && options.starts.size() != options.stops.size() &&
+  const bool to_scene_end = options.stops.empty() && options.starts.size() <= 1 && !options.scene_end.empty();
+  if (options.stops.empty() && !one_row && !to_scene_end) {
+    throw InputError("--stop is missing, the last time, as --stop \"+1 d\"; only --count 1 needs none");
+  }
+  if (!one_row && !to_scene_end && options.starts.size() != options.stops.size() &&
       !(options.starts.empty() && options.stops.size() == 1)) {
     throw InputError(
         fmt::format("{} times --start and {} times --stop; they come in pairs (one --stop alone starts at "
@@ -87,10 +118,12 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
   std::vector<TimeGrid> grids;
   const std::size_t segments = std::max<std::size_t>({options.starts.size(), options.stops.size(), 1});
   for (std::size_t i = 0; i < segments; ++i) {
-    const Instant start = options.starts.empty() ? epoch : wanted_date(options.starts[i], epoch, rule, doubts);
-    const Instant stop = one_row ? start : wanted_date(options.stops[i], start, rule, doubts);
+    const Instant start = options.starts.empty() ? epoch : date_of("--start", options.starts[i], epoch, rule, doubts);
+    const Instant stop = one_row        ? start
+                         : to_scene_end ? wanted_date(options.scene_end, epoch, rule, doubts)
+                                        : date_of("--stop", options.stops[i], start, rule, doubts);
     if (!options.step.empty()) {
-      grids.push_back(TimeGrid::with_step(start, stop, parse_duration(options.step), scale));
+      grids.push_back(TimeGrid::with_step(start, stop, step_of(options), scale));
     } else {
       const std::size_t count = options.count != 0 ? options.count : rows_for_tolerance(start, stop);
       grids.push_back(TimeGrid::with_count(start, stop, count, scale));
@@ -106,6 +139,7 @@ void complete(PropagateOptions& options, const Scene& scene) {
   }
   if (options.method != "auto") throw InputError("--method is for body files: a scene's method comes from its plan");
   if (!options.times.empty()) return;
+  options.scene_end = fmt::format("{:+} s", scene.last_s);
   if (options.starts.empty() && options.stops.empty()) {
     if (scene.first_s != 0.0) options.starts = {fmt::format("{:+} s", scene.first_s)};
     options.stops = {fmt::format("+{} s", scene.last_s - scene.first_s)};
@@ -129,7 +163,7 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   const DateRule rule = date_rule(options, scale);
   UtcDoubts doubts;
   WantedTimes wanted;
-  if (!options.step.empty()) wanted.step = parse_duration(options.step);
+  if (!options.step.empty()) wanted.step = step_of(options);
   wanted.count = options.count;
   std::vector<Ephemeris> segments;
   if (!options.times.empty()) {
@@ -147,8 +181,10 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   for (std::size_t i = 0; options.times.empty() && i < spans; ++i) {
     // "+60 d" counts from the history's first instant for --start, from the start for --stop.
     const Instant first = history.segments.front().first();
-    if (!options.starts.empty()) wanted.start = wanted_date(options.starts[i], first, rule, doubts);
-    if (!options.stops.empty()) wanted.stop = wanted_date(options.stops[i], wanted.start.value_or(first), rule, doubts);
+    if (!options.starts.empty()) wanted.start = date_of("--start", options.starts[i], first, rule, doubts);
+    if (!options.stops.empty()) {
+      wanted.stop = date_of("--stop", options.stops[i], wanted.start.value_or(first), rule, doubts);
+    }
     for (Ephemeris& segment : resample(history, wanted, scale, out_frame)) segments.push_back(std::move(segment));
   }
   write_watched(options.output, format, segments);
@@ -203,9 +239,30 @@ void print_account(const EphemerisDescription& rows) {
   for (const std::string& caution : rows.cautions) say("caution: " + caution);
 }
 
+/// Throws InputError for rows before or after what the scene lasts.
+void refuse_outside(const std::string& file, const Scene& scene, Instant start, Instant stop, TimeScale scale) {
+  const Instant epoch = scene.body.state->epoch;
+  const double room_s = end_room_s(scene.last_s - scene.first_s);
+  if ((start - epoch).high >= scene.first_s - room_s && (stop - epoch).high <= scene.last_s + room_s) return;
+  const auto date = [scale](Instant time) { return format_date(time, scale, 0); };
+  throw InputError(
+      {file, 0},
+      fmt::format("the scene lasts from {} to {} {}, its epoch {:+} s to {:+} s; rows from {} to {} are asked "
+                  "for by --start, --stop or --times ('before' and 'after' in the scene make it longer)",
+                  date(epoch + Seconds{scene.first_s, 0.0}), date(epoch + Seconds{scene.last_s, 0.0}), name(scale),
+                  scene.first_s, scene.last_s, date(start), date(stop)));
+}
+
+/// A warning with the file that it is of.
+void warn(const std::string& file, const std::string& warning) {
+  say(warning.starts_with(file) ? "warning: " + warning : fmt::format("warning: {}: {}", file, warning));
+}
+
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output);
   refuse_meaningless(options.output, format);
+  const std::string inputs[]{RowOfFile(options.body_file).file, options.times};
+  refuse_overwriting(options.output, inputs);
   std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file);
   const auto* const scene = std::get_if<Scene>(&input);
   if (scene != nullptr) {
@@ -216,7 +273,7 @@ void propagate(PropagateOptions options) {
   BodyAndHistory file =
       scene != nullptr ? BodyAndHistory{scene->body, std::nullopt} : std::get<BodyAndHistory>(std::move(input));
   const Body& body = file.body;
-  for (const std::string& warning : body.warnings) say(warning);
+  for (const std::string& warning : body.warnings) warn(options.body_file, warning);
   if (is_history_wanted(options, file)) {
     export_history(options, format, *std::move(file.history));
     return;
@@ -241,7 +298,10 @@ void propagate(PropagateOptions options) {
     planned.motion = chosen.make(free);
   }
   const auto account_between = [&](Instant start, Instant stop) {
-    if (scene) return planned.account;
+    if (scene) {
+      refuse_outside(options.body_file, *scene, start, stop, scale);
+      return planned.account;
+    }
     return free_motion_account(chosen, free, (start - body.state->epoch).high, (stop - body.state->epoch).high);
   };
   const PrincipalMotion states = states_of(std::move(planned.motion));
@@ -252,10 +312,9 @@ void propagate(PropagateOptions options) {
                                    account.method, account.error_meaning));
     }
     return rows_for_tolerance(states, free.principal_moments, (start - body.state->epoch).high,
-                              (stop - body.state->epoch).high, parse_tolerance_rad(options.tolerance),
+                              (stop - body.state->epoch).high, tolerance_of(options),
                               *account.max_error_rad, format.interpolation);
   };
-  const std::optional<std::string> caution = phase_warning(body);
   std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
     const Instant first = grid.instant(grid.time(0, {}));
@@ -269,9 +328,12 @@ void propagate(PropagateOptions options) {
     description.promised_error_rad = account.max_error_rad;
     description.error_meaning = account.error_meaning;
     if (scene) description.torque_evaluations = account.torque_evaluations;
+    const double farthest_s =
+        std::max(std::abs((first - body.state->epoch).high), std::abs((last - body.state->epoch).high));
+    const std::optional<std::string> caution = phase_warning(body, farthest_s);
     if (caution) description.cautions.push_back(*caution);
     if (!options.tolerance.empty()) {
-      description.tolerance_rad = parse_tolerance_rad(options.tolerance);
+      description.tolerance_rad = tolerance_of(options);
       description.interpolation = format.interpolation_text;
       if (format.interpolation == RowInterpolation::lagrange_degree_7) {
         description.ccsds_interpolation = "LAGRANGE";
@@ -312,10 +374,10 @@ void add_propagate(CLI::App& app) {
           "which is the default")
       ->allow_extra_args(false);
   command
-      ->add_option(
-          "--stop", options->stops,
-          "Last time, or +SPAN from the first, of a history its end; --start and --stop again make another segment "
-          "of an AEM")
+      ->add_option("--stop", options->stops,
+                   "Last time, or +SPAN from the first; of a scene or history its end unless given; --start and --stop "
+                   "again make another segment "
+                   "of an AEM")
       ->allow_extra_args(false);
   command->add_option("--step", options->step, "Distance of rows, in s, or with unit s, min, h, d");
   add_whole_number(*command, "--count", options->count, 1, TimeGrid::most_rows, "Number of rows, both ends included");

@@ -8,6 +8,8 @@
 #include <cctype>
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "output.hpp"
@@ -142,6 +144,18 @@ void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& for
     if (!value->empty()) {
       throw InputError(
           fmt::format("{} is for CCSDS messages (.aem, .txt, .xml); {} is {}", option, options.path, format.name));
+    }
+  }
+}
+
+void refuse_overwriting(const OutputOptions& options, std::span<const std::string> inputs) {
+  namespace fs = std::filesystem;
+  std::error_code absent;
+  if (options.path == "-" || !fs::is_regular_file(options.path, absent)) return;
+  for (const std::string& input : inputs) {
+    if (fs::equivalent(options.path, input, absent) && !absent) {
+      throw InputError(
+          fmt::format("--output {} is the file {} that is read; another name is wanted", options.path, input));
     }
   }
 }

@@ -40,6 +40,9 @@ const EphemerisFormat& format_of(const OutputOptions& options);
 /// Throws InputError for an option that means nothing in the format.
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format);
 
+/// Throws InputError where the output is a file that the work reads.
+void refuse_overwriting(const OutputOptions& options, std::span<const std::string> inputs);
+
 /// ".fits, .fits.gz (FITS), …": all of them.
 std::string all_endings();
 

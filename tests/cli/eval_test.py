@@ -1,5 +1,6 @@
 """eval, methods and bench as a user meets them: eval_test.py POLHODE DATA_DIR. Exit status, streams, formats."""
 
+import json
 import math
 import os
 import pathlib
@@ -83,11 +84,110 @@ class Program(unittest.TestCase):
         self.assertIn("standard input:1: ", done.stderr)
         self.assertIn("allowed: TT", done.stderr)
 
+    def test_what_a_file_says_moves_no_cursor(self):
+        body = pathlib.Path(self.folder.name) / "body.toml"
+        toutatis = pathlib.Path(f"{DATA}/bodies/toutatis.toml").read_text()
+        body.write_text(toutatis.replace('name = "4179', 'name = "\\u001b[2J\\u009b1m\\nwarning: none'))
+        done = run("info", str(body))
+        self.assertEqual(done.returncode, 0)
+        self.assertEqual(done.stdout.splitlines()[0], "\\x1b[2J\\x9b1m\\x0awarning: none Toutatis")
+        self.assertTrue(done.stdout.replace("\n", "").isprintable())
+        scene = pathlib.Path(self.folder.name) / "scene.toml"
+        text = pathlib.Path(f"{DATA}/scenes/spin-up.toml").read_text()
+        scene.write_text(text.replace('name = "', 'name = "\\u001b[2J').replace('body = "', f'body = "{DATA}/scenes/'))
+        done = run("plan", str(scene))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertTrue(done.stdout.replace("\n", "").isprintable())
+        message = pathlib.Path(self.folder.name) / "a.aem"  # not UTF-8
+        table = pathlib.Path(self.folder.name) / "t.aem"
+        run("propagate", f"{DATA}/samples/attitude/spinner.csv", "-o", str(table))
+        message.write_bytes(table.read_bytes().replace(b"OBJECT_NAME = ", b"OBJECT_NAME = \xe9"))
+        for option in [], ["--json"]:
+            self.assertEqual(run("info", *option, str(message), errors="replace").returncode, 0)
+
+    def test_where_a_time_has_no_answer_nothing_is_written(self):
+        done = self.eval_text(GOOD + "t 1e12\n", "--method", "rk4", "--step", "0.01")
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertIn(f"{self.case}: 1 of 3 times have no answer by method rk4", done.stderr)
+
+    def test_the_examples_of_eval_run(self):
+        examples = [line.split()[1:] for line in run("eval", "--help").stdout.splitlines() if line.startswith("  polhode eval")]
+        self.assertGreater(len(examples), 1)
+        for example in examples:
+            done = run(*example, cwd=f"{DATA}/..")
+            self.assertEqual((done.returncode, done.stderr), (0, ""), example)
+            self.assertNotIn("nan", done.stdout)
+
+    def test_a_rotator_without_moments_is_no_sphere(self):
+        rotator = f"{DATA}/samples/asteroid/spin.txt"
+        text = run("info", rotator).stdout
+        self.assertIn("Motion: principal-axis rotation\n", text)
+        self.assertIn("the moments of inertia are not known", text)
+        for untrue in ["sphere", "1, 1, 1", "1 : 1", "known as ratios"]:
+            self.assertNotIn(untrue, text)
+        (report,) = json.loads(run("info", "--json", rotator).stdout)
+        self.assertNotIn("inertia", report)
+        self.assertEqual(set(report["motion"]) & {"twice_energy_ratios_rad2_s2", "separatrix_offset"}, set())
+        out = str(pathlib.Path(self.folder.name) / "a.fits")
+        span = ["--stop", "+1 h", "--count", "3"]
+        self.assertEqual(run("propagate", rotator, "-o", out, *span).returncode, 0)
+        self.assertNotIn(b"INERTIA1", pathlib.Path(out).read_bytes())
+        done = run("propagate", rotator, "-o", out, *span, "--momentum")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("needs an inertia", done.stderr)
+
     def test_a_wrong_tolerance_is_refused_before_anything_is_said(self):
         table = f"{DATA}/samples/attitude/spinner.csv"
         for tolerance in ["1 x", "-1 rad", "nan rad"]:
             done = run("compare", table, table, f"--tolerance={tolerance}")
             self.assertEqual((done.returncode, done.stdout), (2, ""), tolerance)
+
+    def test_standard_input_that_cannot_be_read_is_status_3(self):
+        for command in [("convert-time", "--to", "UTC"), ("convert-frame", "--from", "ICRF", "--to", "GCRF")]:
+            with_folder = os.open(self.folder.name, os.O_RDONLY)
+            self.addCleanup(os.close, with_folder)
+            done = run(*command, stdin=with_folder)
+            self.assertEqual((done.returncode, done.stdout), (3, ""))
+            self.assertIn("cannot read standard input: Is a directory", done.stderr)
+            closed = subprocess.run(["sh", "-c", '"$@" <&-', "sh", POLHODE, *command], capture_output=True, text=True)
+            self.assertEqual((closed.returncode, closed.stdout), (3, ""))
+            self.assertIn("cannot read standard input: ", closed.stderr)
+
+    def test_an_output_is_none_of_the_inputs(self):
+        folder = pathlib.Path(self.folder.name)
+        table = pathlib.Path(f"{DATA}/samples/attitude/spinner.csv").read_bytes()
+        (folder / "a.csv").write_bytes(table)
+        (folder / "b.csv").symlink_to("a.csv")
+        (folder / "times.csv").write_text("2000-01-01T12:00:01 TT\n")
+        for arguments in [("a.csv", "-o", "a.csv"), ("a.csv", "-o", "b.csv"), ("b.csv", "-o", f"{folder}/a.csv"),
+                          ("a.csv", "--times", "times.csv", "-o", "times.csv")]:
+            done = run("propagate", *arguments, cwd=folder)
+            self.assertEqual((done.returncode, done.stdout), (2, ""))
+            self.assertIn("that is read; another name is wanted", done.stderr)
+        self.assertEqual((folder / "a.csv").read_bytes(), table)
+        self.assertEqual((folder / "times.csv").read_text(), "2000-01-01T12:00:01 TT\n")
+        self.assertEqual(run("propagate", "a.csv", "-o", "c.csv", cwd=folder).returncode, 0)
+
+    def test_a_path_is_not_cut_at_a_nul(self):
+        body = pathlib.Path(self.folder.name) / "body.toml"
+        body.write_text(f'name = "a"\nsource = "b"\n[inertia]\nmesh = "{DATA}/bodies/toutatis.toml\\u0000.obj"\n')
+        done = run("info", str(body))
+        self.assertEqual((done.returncode, done.stdout), (2, ""))
+        self.assertIn("holds the character U+0000", done.stderr)
+        self.assertIn(f"{body}:4: ", done.stderr)
+        body.write_text(body.read_text().replace("\\u0000.obj", "").replace(f"{DATA}/bodies/toutatis.toml", ""))
+        done = run("info", str(body))
+        self.assertIn(f"{body}:4: inertia.mesh: found '', the name of a file is wanted", done.stderr)
+
+    def test_a_lack_of_memory_names_the_file(self):
+        big = pathlib.Path(self.folder.name) / "big.csv"
+        with big.open("w") as file:
+            file.write("date_tt,q_x,q_y,q_z,q_scalar\n" + 8_000_000 * "2000-01-01T12:00:00.000,0,0,0,1\n")
+        done = subprocess.run(["sh", "-c", 'ulimit -v 262144; exec "$@"', "sh", POLHODE, "info", str(big)],
+                              capture_output=True, text=True, check=False)
+        self.assertEqual((done.returncode, done.stdout), (3, ""))
+        self.assertIn("not enough memory", done.stderr)
+        self.assertIn(str(big), done.stderr)
 
     def test_an_empty_list_of_dates_is_named(self):
         pathlib.Path(self.case).write_text("# none\n")

@@ -55,7 +55,7 @@ def check_csv(text, motion):
         cells = line.split(",")
         if len(cells) != len(names):
             raise Wrong("a row has too few or too many cells")
-        values = [0.0] + [finite(cell) for cell in cells[1:]]
+        values = [0.0] + [finite(cell) for name, cell in zip(names[1:], cells[1:]) if name != "frame"]
         check_unit([values[i] for i in unit])
     if motion and text.startswith("#"):
         found = re.search(r"promised_error_rad: ([^}\s]+)", text)

@@ -37,6 +37,7 @@ struct Body {
   std::string id;      ///< designation, such as 1992-A01 or 20099942; empty: none is given
   std::string source;  ///< where the numbers come from, in the file's words
   std::optional<Inertia> inertia;
+  bool any_inertia = false;  ///< `inertia` is not known, but any leads to this rotation about a principal axis
   std::optional<SpinState> state;
   std::optional<double> period_uncertainty;  ///< one sigma of the periods (and rates), as a part of themselves
   std::vector<StatedAttitude> attitudes;     ///< all that the file states, where `state` is chosen among several

@@ -46,9 +46,11 @@ Ephemeris::Ephemeris(EphemerisDescription description, const Body& body, Frame f
   if (!inertia_->named_from_principal.isIdentity(0.0)) {
     q_principal_from_named = inertia_->q_named_from_principal().conjugate();
   }
-  rows_ = [motion = std::move(motion), q_principal_from_named, named_from_principal = inertia_->named_from_principal,
-           inverse_moments = Vector3(inertia_->principal_moments.cwiseInverse())](std::size_t count,
-                                                                                  AttitudeBlock& block) {
+  const Matrix3 named_from_principal = inertia_->named_from_principal;
+  const Vector3 inverse_moments = inertia_->principal_moments.cwiseInverse();
+  if (body.any_inertia) inertia_.reset();  // it says nothing of the body
+  rows_ = [motion = std::move(motion), q_principal_from_named, named_from_principal, inverse_moments](
+              std::size_t count, AttitudeBlock& block) {
     motion({block.elapsed_high.data(), count}, {block.elapsed_low.data(), count}, block.q_frame_from_named.data(),
            block.momentum_named.data());
     double* q_row = block.q_frame_from_named.data();

@@ -37,8 +37,8 @@ Instant julian_date(std::string_view word, const SourceLocation& where, TimeScal
 void set_any_inertia(Body& body) {
   if (body.inertia) return;
   body.inertia = inertia_from_moments(Vector3(1.0, 1.0, 1.0), false);
-  body.notes.emplace_back(
-      "rotation about a principal axis is the same for any moments of inertia; 1 : 1 : 1 stands for them");
+  body.any_inertia = true;
+  body.notes.emplace_back("the moments of inertia are not known; rotation about a principal axis is the same for any");
 }
 
 struct Line {

@@ -38,7 +38,7 @@ void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string
 
 /// Adds a row; times increase, quaternions are unit.
 void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const SourceLocation& where) {
-  const double norm = sample.q_frame_from_body.norm();
+  const double norm = sample.q_frame_from_body.coeffs().stableNorm();
   if (!(std::abs(norm - 1.0) <= 1e-3)) {
     throw InputError(
         where, fmt::format("row {}: the quaternion has length {:.6g}, it must be 1", segment.samples.size() + 1, norm));
@@ -187,14 +187,33 @@ std::string yaml_quoted_value(std::string_view text) {
   return value;
 }
 
+/// The cells between commas; one in quotes may hold commas, and keeps its quotes.
 std::vector<std::string_view> cells_of(std::string_view line) {
   std::vector<std::string_view> cells;
   for (std::size_t at = 0; at <= line.size();) {
-    const std::size_t end = std::min(line.find(',', at), line.size());
+    std::size_t end = std::min(line.find(',', at), line.size());
+    if (at < line.size() && line[at] == '"') {
+      const auto is_open = [&] {
+        const std::string_view cell = line.substr(at, end - at);
+        return std::count(cell.begin(), cell.end(), '"') % 2 != 0;
+      };
+      while (end < line.size() && is_open()) end = std::min(line.find(',', end + 1), line.size());
+    }
     cells.push_back(trimmed(line.substr(at, end - at)));
     at = end + 1;
   }
   return cells;
+}
+
+/// The text of a cell: without its quotes, of doubled ones one.
+std::string cell_text(std::string_view cell) {
+  if (cell.size() < 2 || cell.front() != '"' || cell.back() != '"') return std::string(cell);
+  std::string text;
+  for (std::size_t i = 1; i + 1 < cell.size(); ++i) {
+    text += cell[i];
+    if (cell[i] == '"') ++i;
+  }
+  return text;
 }
 
 AttitudeHistory parse_text_table(std::string_view text, const std::string& path) {
@@ -210,10 +229,6 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   history.object = meta("object");
   history.object_id = meta("object_id");
   std::string frame_name = meta("frame_a");
-  if (frame_name.empty()) {
-    frame_name = "ICRF";
-    history.warnings.push_back(path + ": a CSV table says no frame; ICRF is assumed");
-  }
   std::size_t line = 0;
   const std::vector<std::string_view> names = cells_of(column_line(text, line));
   try {
@@ -235,6 +250,11 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
     if (at[k] == names.size()) throw InputError({path, line}, "the columns q_x, q_y, q_z, q_scalar are wanted");
   }
   const bool rates = std::all_of(at.begin() + 4, at.end(), [&](std::size_t i) { return i < names.size(); });
+  const std::size_t frame_at = index("frame");
+  if (frame_name.empty() && frame_at == names.size()) {
+    frame_name = "ICRF";
+    history.warnings.push_back(path + ": the table has no column frame; ICRF is assumed");
+  }
   AttitudeSegment segment;
   segment.body = "BODY";
   while (!text.empty()) {
@@ -249,6 +269,15 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
       const std::optional<double> value = parse_number(cells[at[k]]);
       if (!value) throw InputError(here, fmt::format("'{}' is not a number", cells[at[k]]));
       v[k] = *value;
+    }
+    if (frame_at < names.size()) {
+      const std::string here_frame = cell_text(cells[frame_at]);
+      if (frame_name.empty()) frame_name = here_frame;
+      if (here_frame.empty() || here_frame != frame_name) {
+        throw InputError(here,
+                         fmt::format("the frame is '{:.40}', after '{:.40}'; a table has one frame, which is named",
+                                     here_frame, frame_name));
+      }
     }
     AttitudeSample sample;
     try {

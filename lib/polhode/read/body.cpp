@@ -81,6 +81,12 @@ BodyAndHistory parse_any(const std::string& text, const RowOfFile& place, const 
   if (is_damit_spin(text)) return {parse_damit_spin(text, file), {}};
   if (is_shape_model(text)) return {parse_shape_model(text, file), {}};
   if (is_mesh(text)) return {body_of_mesh(text, file), {}};
+  if (text.starts_with("{\"")) {
+    throw InputError(
+        {file, 0},
+        "looks like JSON lines, which are written but not read; tables of attitudes are read from FITS, CSV "
+        "and ECSV, and from CCSDS messages (KVN, XML)");
+  }
   if (text.find('=') == std::string::npos) {
     throw InputError({file, 0},
                      "no kind of file that is known: body files (TOML), CCSDS messages (KVN, XML), tables of attitudes "

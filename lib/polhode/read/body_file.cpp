@@ -73,7 +73,7 @@ double solid_unit_m(const TomlTable& table) {
 
 Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
   table.allow_only({"mesh", "mass_kg", "density_kg_m3", "length_unit"});
-  const std::filesystem::path named = table.text("mesh");
+  const std::filesystem::path named = table.file_name("mesh");
   const std::string file = (named.is_absolute() ? named : std::filesystem::path(path).parent_path() / named).string();
   const double unit_m = solid_unit_m(table);
   const TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(file); }), file);

@@ -39,7 +39,7 @@ Trajectory read_trajectory_of(const TomlTable& table, const std::string& name, c
     request.table_frame = table.located("trajectory_frame", [&] { return frame(*frame_name); });
   }
   request.zero = scene.body.state->epoch;
-  const std::string path = (folder / table.text("trajectory")).string();
+  const std::string path = (folder / table.file_name("trajectory")).string();
   TabulatedOrbit orbit = parse_trajectory(table.opened("trajectory", [&] { return content_of(path); }), path, request);
   if (!(orbit.first_s() <= scene.first_s && scene.last_s <= orbit.last_s())) {
     const auto date = [&](double t_s) { return format_date(request.zero + Seconds{t_s, 0.0}, TimeScale::tdb, 0); };
@@ -181,7 +181,7 @@ Torque read_torque(const TomlTable& table, const Body& body, const Orbits& orbit
   if (kind == "sunlight") {
     table.allow_only({"kind", "mesh", "unit_m", "centre_of_mass", "specular", "diffuse", "orbit"});
     need_absolute(table, inertia);
-    const std::string path = (folder / table.text("mesh")).string();
+    const std::string path = (folder / table.file_name("mesh")).string();
     TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(path); }), path);
     const double unit_m = table.number("unit_m");
     if (!(unit_m > 0.0)) throw table.error("unit_m", fmt::format("found {}, a positive number is wanted", unit_m));
@@ -231,7 +231,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   scene.name = root.text("name");
   scene.source = root.text("source");
   const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-  const std::string body_path = (folder / root.text("body")).string();
+  const std::string body_path = (folder / root.file_name("body")).string();
   scene.body = root.opened("body", [&] { return read_body(body_path, content_of); });
   if (!scene.body.inertia || !scene.body.state || !scene.body.state->omega_named_rad_s ||
       !scene.body.state->q_frame_from_named) {
@@ -240,9 +240,22 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   }
   const std::string frame_name = root.text("frame");
   scene.frame = root.located("frame", [&] { return inertial_frame(frame_name); });
+  // "30 d": a bare number would be seconds or radians, which its writer need not have meant.
+  const auto quantity = [&](std::string_view key, std::string_view example) {
+    const auto wanted = [&](const std::string& found) {
+      return root.error(key, fmt::format("found {}, a number with its unit is wanted, in quotes, as {} = \"{}\"", found,
+                                         key, example));
+    };
+    if (root.has(key) && root.is_number(key)) throw wanted("a number");
+    std::string text = root.text(key);
+    if (const auto bare = parse_number(trimmed(text)); bare && *bare != 0.0) {
+      throw wanted(fmt::format("'{:.40}' without a unit", text));
+    }
+    return text;
+  };
   const auto duration_s = [&](std::string_view key) {
     if (!root.has(key)) return 0.0;
-    const std::string text = root.text(key);
+    const std::string text = quantity(key, "30 d");
     const Seconds span = root.located(key, [&] { return parse_duration(text); });
     if (!(span.high >= 0.0)) throw root.error(key, fmt::format("found '{}', a span of 0 or more is wanted", text));
     return span.high + span.low;
@@ -251,7 +264,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   scene.last_s = duration_s("after");
   if (scene.first_s == scene.last_s)
     throw root.error("after", "the span is empty; 'before' or 'after' says how long it is");
-  const std::string accuracy = root.text("accuracy");
+  const std::string accuracy = quantity("accuracy", "0.1 deg");
   scene.accuracy_rad = root.located("accuracy", [&] { return parse_tolerance_rad(accuracy); });
   if (root.has("period_uncertainty")) scene.body.period_uncertainty = root.positive_number("period_uncertainty");
   const Orbits orbits = read_orbits(root, scene, folder, content_of);

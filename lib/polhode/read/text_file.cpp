@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <new>
 
 #include "polhode/base/error.hpp"
 
@@ -44,9 +45,7 @@ InputError too_large(const std::string& path) {
                       most_fits_bytes >> 20U)};
 }
 
-}  // namespace
-
-std::string read_text_file(const std::string& path) {
+std::string content_of(const std::string& path) {
   const Descriptor file(path);
   struct stat about {};
   if (::fstat(file(), &about) != 0) throw FileError("cannot read " + path + ": " + std::strerror(errno));
@@ -75,6 +74,20 @@ std::string read_text_file(const std::string& path) {
   if (content.starts_with("\x1f\x8b")) content = unpack_gzip(content, path);
   if (content.starts_with("\xEF\xBB\xBF")) content.erase(0, 3);
   return content;
+}
+
+}  // namespace
+
+std::string read_text_file(const std::string& path) {
+  if (path.find('\0') != std::string::npos) {
+    throw InputError("the path that begins with '" + path.substr(0, path.find('\0')) +
+                     "' holds the character U+0000, which no name of a file does");
+  }
+  try {
+    return content_of(path);
+  } catch (const std::bad_alloc&) {
+    throw FileError("cannot read " + path + ": there is not enough memory");
+  }
 }
 
 std::string unpack_gzip(std::string_view packed, const std::string& name) {

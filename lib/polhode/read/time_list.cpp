@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "polhode/base/error.hpp"
@@ -13,20 +15,35 @@
 namespace polhode {
 namespace {
 
-/// The column of dates of a table, whose line of names this is; nothing if it is not one.
+/// The columns of dates of a table, whose line of names this is; nothing if it is not one.
 struct DateColumn {
-  DateReader read;
+  DateReader read;  // of a column that says its scale itself
+  EcsvTime ecsv;    // else
   bool comma = false;
   std::size_t cells = 0;
   std::size_t index = 0;
+  std::size_t second = 0;  // of two columns whose sum counts; else `index`
 
-  static std::optional<DateColumn> of(std::string_view names_line, std::string_view header_scale) {
+  static std::optional<DateColumn> of(std::string_view names_line, const EcsvTime& ecsv,
+                                      std::string_view header_scale) {
     DateColumn out;
     out.comma = names_line.find(',') != std::string_view::npos;
     const std::vector<std::string_view> names = table_cells(names_line, out.comma);
     out.cells = names.size();
+    if (ecsv.found()) {
+      const std::vector<std::string> wanted = ecsv.columns();
+      const auto place = [&](const std::string& name) {
+        return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
+      };
+      out.ecsv = ecsv;
+      out.index = place(wanted.front());
+      out.second = place(wanted.back());
+      if (out.index < out.cells && out.second < out.cells) return out;
+    }
+    out.index = 0;
     for (const std::string_view name : names) {
       out.read = date_column(name, header_scale);
+      out.second = out.index;
       if (out.read) return out;
       ++out.index;
     }
@@ -38,9 +55,18 @@ struct DateColumn {
     if (in_line.size() != cells) {
       throw InputError(fmt::format("{} cells; {} are wanted", in_line.size(), cells));
     }
-    return read(in_line[index]);
+    return read ? read(in_line[index]) : ecsv.date(in_line[index], in_line[second]);
   }
 };
+
+/// Whether a first line that is no date is rather the names of a table's columns.
+bool looks_like_names(std::string_view line) {
+  const std::string upper = upper_case(line);
+  for (const std::string_view mark : {"JD", "MJD"}) {
+    if (upper.starts_with(mark) && upper.find_first_of("0123456789") == mark.size() + 1) return false;
+  }
+  return line.find(',') != std::string_view::npos || (upper[0] >= 'A' && upper[0] <= 'Z') || upper[0] == '"';
+}
 
 }  // namespace
 
@@ -66,8 +92,15 @@ std::vector<Instant> read_time_list(const std::string& list_or_path, std::option
 
 std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeScale> missing,
                                       const std::string& path) {
+  if (text.starts_with("SIMPLE  =") || text.find('\0') != std::string_view::npos) {
+    throw InputError(
+        {path, 0},
+        "is no text; a list of times is a file of text with one date a line, or a CSV or ECSV table with a "
+        "column of dates");
+  }
   std::vector<Instant> instants;
   std::string_view header_scale;
+  EcsvTime ecsv;
   std::optional<DateColumn> column;
   bool is_first = true;
   text = without_mark(text);
@@ -78,12 +111,19 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
       if (content.empty()) {
         const std::string_view comment = trimmed(whole);
         if (comment.starts_with('#')) {
+          if (is_first) ecsv.take(trimmed(comment.substr(1)));
           const std::string_view scale = scale_in_ecsv_header(trimmed(comment.substr(1)));
           if (!scale.empty()) header_scale = scale;
         }
         continue;
       }
-      if (is_first) column = DateColumn::of(content, header_scale);
+      if (is_first) column = DateColumn::of(content, ecsv, header_scale);
+      if (is_first && !column && looks_like_names(content)) {
+        throw InputError(fmt::format(
+            "'{:.60}' is no date, and names no column of dates; such columns are date_utc, jd_tdb, mjd_tt and "
+            "the like, whose names say the scale, or a Time that astropy wrote to an ECSV table",
+            content));
+      }
       if (!column) {
         instants.push_back(parse_date_with_scale(content, missing).instant);
       } else if (!is_first) {

@@ -211,6 +211,11 @@ std::string_view TomlTable::one_of(std::initializer_list<std::string_view> keys)
   return found;
 }
 
+bool TomlTable::is_number(std::string_view key) const {
+  const toml::node* value = node_->table->get(key);
+  return value != nullptr && value->is_number();
+}
+
 std::optional<std::string> TomlTable::optional_text(std::string_view key) const {
   const toml::node* value = node_->table->get(key);
   if (value == nullptr) return std::nullopt;
@@ -221,6 +226,15 @@ std::optional<std::string> TomlTable::optional_text(std::string_view key) const 
 std::string TomlTable::text(std::string_view key) const {
   if (auto value = optional_text(key)) return *value;
   throw error(key, "this key is missing, text is wanted");
+}
+
+std::string TomlTable::file_name(std::string_view key) const {
+  std::string name = text(key);
+  if (name.empty()) throw error(key, "found '', the name of a file is wanted");
+  if (name.find('\0') != std::string::npos) {
+    throw error(key, "found a text that holds the character U+0000, which no name of a file does");
+  }
+  return name;
 }
 
 struct TomlTable::Element {

@@ -20,6 +20,7 @@ class TomlTable {
   static TomlTable parse(std::string_view text, const std::string& path);
 
   bool has(std::string_view key) const;
+  bool is_number(std::string_view key) const;
   std::vector<std::string> keys() const;
   /// Refuses any key that is not among these.
   void allow_only(std::initializer_list<std::string_view> keys) const;
@@ -27,6 +28,8 @@ class TomlTable {
   std::string_view one_of(std::initializer_list<std::string_view> keys) const;
 
   std::string text(std::string_view key) const;
+  /// A text that can name a file: neither empty nor with a U+0000, at which the system would cut it.
+  std::string file_name(std::string_view key) const;
   std::optional<std::string> optional_text(std::string_view key) const;
   double number(std::string_view key) const;
   double positive_number(std::string_view key) const;

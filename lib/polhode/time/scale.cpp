@@ -344,7 +344,7 @@ Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missi
   if (space != std::string_view::npos) {
     const std::string_view word = date.substr(space + 1);
     if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())) != 0) {
-      const std::optional<TimeScale> scale = find_scale(word);
+      const std::optional<TimeScale> scale = word == "Z" || word == "z" ? TimeScale::utc : find_scale(word);
       if (!scale) {
         throw InputError(fmt::format("'{}' is not a date with its time scale: '{}' is none; allowed: {}", text, word,
                                      scales_allowed));

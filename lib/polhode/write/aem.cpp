@@ -21,6 +21,7 @@ namespace {
 
 constexpr std::string_view usual_frame_b = "SC_BODY_1";
 constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr std::size_t longest_line = 254;  // of a message in KVN by CCSDS 504.0-B, without its end
 
 /// A number of a row in XML: its element, and the element around it and its neighbours (empty: none).
 struct XmlField {
@@ -268,14 +269,40 @@ class Writer {
   void key(std::string_view name, std::string_view value) {
     const std::string plain = plain_text(value);
     const std::string_view text = plain.empty() ? "unknown" : std::string_view(plain);  // a value may not be missing
-    bytes_.write(options_.xml ? fmt::format("<{0}>{1}</{0}>\n", name, xml_escaped(text))
-                              : fmt::format("{} = {}\n", name, text));
+    const std::string line =
+        options_.xml ? fmt::format("<{0}>{1}</{0}>\n", name, xml_escaped(text)) : fmt::format("{} = {}\n", name, text);
+    if (!options_.xml && line.size() > longest_line + 1) {
+      throw InputError(
+          fmt::format("{} has {} bytes; with its keyword a line of a CCSDS message has {} at most: shorten it, "
+                      "or write XML, which has no such limit",
+                      name, text.size(), longest_line));
+    }
+    bytes_.write(line);
   }
 
+  /// In as many lines as it needs.
   void comment(const std::string& text) {
-    const std::string line = plain_text(text);
-    bytes_.write(options_.xml ? fmt::format("<COMMENT>{}</COMMENT>\n", xml_escaped(line))
-                              : fmt::format("COMMENT {}\n", line));
+    constexpr std::string_view keyword = "COMMENT ";
+    const std::string plain = plain_text(text);
+    std::string_view rest = plain;
+    do {
+      std::size_t end = rest.size();
+      if (!options_.xml && end > longest_line - keyword.size()) {
+        end = longest_line - keyword.size();
+        const std::size_t blank = rest.rfind(' ', end);
+        const auto is_inside_character = [&] { return (static_cast<unsigned char>(rest[end]) & 0xC0U) == 0x80U; };
+        if (blank != std::string_view::npos && blank > 0) {
+          end = blank;
+        } else {
+          while (end > 1 && is_inside_character()) --end;
+        }
+      }
+      const std::string_view line = rest.substr(0, end);
+      bytes_.write(options_.xml ? fmt::format("<COMMENT>{}</COMMENT>\n", xml_escaped(line))
+                                : fmt::format("{}{}\n", keyword, line));
+      rest.remove_prefix(end);
+      while (rest.starts_with(' ')) rest.remove_prefix(1);
+    } while (!rest.empty());
   }
 
   void kvn_row(std::string& out, DateText& dates, Seconds time, const std::array<double, 8>& numbers) const {

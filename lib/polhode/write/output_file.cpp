@@ -54,6 +54,10 @@ fs::path behind_links(const std::string& path) {
 }
 
 std::string checked(const std::string& path) {
+  if (path.find('\0') != std::string::npos) {
+    throw FileError(
+        fmt::format("cannot write {}: the path goes on with the character U+0000", path.substr(0, path.find('\0'))));
+  }
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status)) {

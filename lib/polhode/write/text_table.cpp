@@ -21,13 +21,22 @@ struct Column {
   std::string unit;
 };
 
-/// A text as YAML's double-quoted scalar.
-std::string yaml_quoted(std::string_view text) {
+/// A text as YAML's double-quoted scalar, which is a string of JSON, too.
+std::string quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : plain_text(text)) {
     if (c == '"' || c == '\\') out += '\\';
     out += c;
   }
+  return out + "\"";
+}
+
+/// A text as a cell of CSV: in quotes, and quotes doubled, where it holds what ends a cell.
+std::string csv_cell(std::string_view text) {
+  const std::string plain = plain_text(text);
+  if (plain.find_first_of(",\"#") == std::string::npos) return plain;
+  std::string out = "\"";
+  for (const char c : plain) out.append(c == '"' ? 2 : 1, c);
   return out + "\"";
 }
 
@@ -45,26 +54,26 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
   const auto meta = [&](std::string_view key, const std::string& value) {
     if (!value.empty()) out += fmt::format("# - {{{}: {}}}\n", key, value);
   };
-  meta("object", yaml_quoted(description.object));
-  if (!description.object_id.empty()) meta("object_id", yaml_quoted(description.object_id));
-  meta("creator", yaml_quoted(creator()));
-  meta("created_utc", yaml_quoted(creation_date()));
-  meta("frame_a", yaml_quoted(ephemeris.frame_name()));
+  meta("object", quoted(description.object));
+  if (!description.object_id.empty()) meta("object_id", quoted(description.object_id));
+  meta("creator", quoted(creator()));
+  meta("created_utc", quoted(creation_date()));
+  meta("frame_a", quoted(ephemeris.frame_name()));
   meta("frame_b",
-       yaml_quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
-  meta("quaternion", yaml_quoted("scalar last, takes components from frame a to frame b, passive"));
-  meta("method", yaml_quoted(description.method));
+       quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
+  meta("quaternion", quoted("scalar last, takes components from frame a to frame b, passive"));
+  meta("method", quoted(description.method));
   if (description.promised_error_rad) meta("promised_error_rad", fmt::format("{}", *description.promised_error_rad));
-  if (!description.error_meaning.empty()) meta("error_meaning", yaml_quoted(description.error_meaning));
+  if (!description.error_meaning.empty()) meta("error_meaning", quoted(description.error_meaning));
   if (description.torque_evaluations) meta("torque_evaluations", fmt::format("{}", *description.torque_evaluations));
   for (std::size_t i = 0; i < description.cautions.size(); ++i) {
-    meta(fmt::format("caution_{}", i + 1), yaml_quoted(description.cautions[i]));
+    meta(fmt::format("caution_{}", i + 1), quoted(description.cautions[i]));
   }
   if (description.tolerance_rad) {
-    meta("interpolation", yaml_quoted(description.interpolation));
+    meta("interpolation", quoted(description.interpolation));
     meta("interpolation_error_rad", fmt::format("{}", *description.tolerance_rad));
   }
-  meta("source", yaml_quoted(description.source));
+  meta("source", quoted(description.source));
   const std::string& time = columns.front().name;
   out += fmt::format(
       "# - __serialized_columns__:\n#     {0}:\n#       __class__: astropy.time.core.Time\n#       format: isot\n"
@@ -101,11 +110,17 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
     std::string header =
         options.kind == TextTableKind::ecsv ? ecsv_header(ephemeris, columns, scale, decimals) : std::string();
     for (const Column& column : columns) header += (&column == columns.data() ? "" : ",") + column.name;
+    if (options.kind == TextTableKind::csv) header += ",frame";
     bytes.write(header + "\n");
   }
   // What stands before each number of a row.
   std::vector<std::string> before;
   for (const Column& column : columns) before.push_back(json ? fmt::format(",\"{}\":", column.name) : ",");
+
+  // What ends each row: an ECSV names its frame in the header.
+  std::string end = "\n";
+  if (json) end = fmt::format(",\"frame\":{}}}\n", quoted(ephemeris.frame_name()));
+  if (options.kind == TextTableKind::csv) end = fmt::format(",{}\n", csv_cell(ephemeris.frame_name()));
 
   const auto encode = [&](DateText& dates, const AttitudeBlock& block, EncodedBlock& out) {
     out.bytes.clear();
@@ -121,7 +136,7 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
       if (options.momentum) {
         for (std::size_t k = 0; k < 3; ++k) put(block.momentum_named[3 * row + k]);
       }
-      out.bytes.append(json ? "}\n" : "\n");
+      out.bytes.append(end);
     }
   };
   const auto new_encoder = [&]() -> Encoder {
