@@ -161,7 +161,7 @@ TEST(Arguments, TorquesThatMeanNothingAreRefusedByName) {
   const std::vector<std::pair<std::string, std::vector<Torque>>> wrong{
       {"gravity gradient: mu",
        {GravityGradient(kNan, orbit), GravityGradient(-1.0, orbit), GravityGradient(0.0, orbit)}},
-      {"constant torque: the torque",
+      {"constant: the torque",
        {ConstantTorque{{kNan, 0, 0}}, ConstantTorque{{0, kInf, 0}, ConstantTorque::Axes::inertial}}},
       {"thruster pulse: the duration",
        {ThrusterPulse{10.0, -5.0, {1, 0, 0}}, ThrusterPulse{10.0, 0.0, {1, 0, 0}},

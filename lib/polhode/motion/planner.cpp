@@ -33,46 +33,10 @@ constexpr double kTrialMargin = 0.05;  // of the tolerance, that its error over 
 constexpr double kMostOfSpan = 0.3;    // a longer trial may as well be the whole
 constexpr double kNearRounding = 0.02;
 
-template <class... Cases>
-struct Overloaded : Cases... {
-  using Cases::operator()...;
-};
-template <class... Cases>
-Overloaded(Cases...) -> Overloaded<Cases...>;  // clang 14 does not deduce it
-
-double largest_norm(const Matrix3& matrix) { return matrix.norm(); }
-/// What a damping takes of the momentum per second, at the most: the matrix times 1/I, its norm from above by those of
-/// its columns and rows (exact where it is diagonal).
-double largest_rate(const Matrix3& damping, const Vector3& I) {
-  const Matrix3 sizes = (damping * I.cwiseInverse().asDiagonal()).cwiseAbs();
-  return std::sqrt(sizes.colwise().sum().maxCoeff() * sizes.rowwise().sum().maxCoeff());
-}
-
 /// No attitude and no momentum of this length feels a larger torque at time t.
 double largest_torque(const Torque& torque, double t_s, const FreeBody& body) {
-  const Vector3& I = body.principal_moments;
-  const double momentum = body.momentum_body.norm();
   return std::visit(
-      Overloaded{[&](const GravityGradient& one) {
-                   const double r = one.trajectory.state(t_s).position_m.norm();
-                   return 1.5 * one.mu_m3_s2 / (r * r * r) * (I[2] - I[0]);
-                 },
-                 [](const ConstantTorque& one) { return one.torque.norm(); },
-                 [&](const ThrusterPulse& one) {
-                   return one.start_s <= t_s && t_s <= one.end_s() ? one.torque_body.norm() : 0.0;
-                 },
-                 [&](const LinearDamping& one) { return largest_rate(one.coefficients, I) * momentum; },
-                 [&](const EddyCurrents& one) {
-                   const OrbitState<double> orbit = one.trajectory.state(t_s);
-                   const double r = orbit.position_m.norm(), v = orbit.velocity_m_s.norm();
-                   const double field = 2.0 * one.dipole_t_m3 / (r * r * r);
-                   return largest_norm(one.magnetic_tensor_s_m4) * field * field * (momentum / I[0] + 6.0 * v / r);
-                 },
-                 [&](const InternalDissipation& one) {
-                   return one.relaxation * momentum * momentum * momentum * 0.5 * (1.0 / I[0] - 1.0 / I[2]);
-                 },
-                 [&](const Sunlight& one) { return one.largest_torque(t_s); }},
-      torque);
+      [&](const auto& one) { return one.largest(t_s, body.principal_moments, body.momentum_body.norm()); }, torque);
 }
 
 /// rad of attitude per relative change of the momentum, by the time since the change: worst of all directions, of
@@ -155,8 +119,9 @@ Push largest_push(const Torque& torque, const FreeBody& body, double end_s, cons
     }
     return largest;
   };
-  const bool is_pulse = std::holds_alternative<ThrusterPulse>(torque);  // constant between its stops: its middle counts
-  double at_begin = is_pulse ? 0.0 : largest_at(0.0);
+  const bool jumps = std::visit([](const auto& one) { return JumpingTorque<std::decay_t<decltype(one)>>; }, torque);
+  // One that jumps is constant between its stops: its middle counts.
+  double at_begin = jumps ? 0.0 : largest_at(0.0);
   for (const double stop_s : stops_s) {
     while (gone_s < stop_s) {
       const double step_s = std::min({0.02 * alone.time_scale_s(direction * gone_s), stop_s - gone_s, quick_s});
@@ -166,9 +131,9 @@ Push largest_push(const Torque& torque, const FreeBody& body, double end_s, cons
             torque_name(torque), length_s, direction * gone_s, 50.0 * step_s));
       }
       const double next_s = step_s < stop_s - gone_s ? gone_s + step_s : stop_s;
-      const double at_end = largest_at(is_pulse ? 0.5 * (gone_s + next_s) : next_s);
+      const double at_end = largest_at(jumps ? 0.5 * (gone_s + next_s) : next_s);
       // The larger of the ends, and 5 % for what may lie between them: r changes by 2 % in a step.
-      const double impulse = (is_pulse ? at_end : 1.05 * std::max(at_begin, at_end)) * (next_s - gone_s);
+      const double impulse = (jumps ? at_end : 1.05 * std::max(at_begin, at_end)) * (next_s - gone_s);
       push.impulse += impulse;
       push.turned_rad += impulse / momentum * sensitivity.after(length_s - gone_s);
       gone_s = next_s;

@@ -188,7 +188,7 @@ InputError TomlTable::error(std::string_view key, const std::string& message) co
   return {where(key), fmt::format("{}{}: {}", node_->prefix, key, message)};
 }
 
-void TomlTable::allow_only(std::initializer_list<std::string_view> keys) const {
+void TomlTable::allow_only(std::span<const std::string_view> keys) const {
   for (const auto& [key, value] : *node_->table) {
     if (std::find(keys.begin(), keys.end(), key.str()) == keys.end()) {
       throw error(key.str(), fmt::format("unknown key; allowed here: {}", fmt::join(keys, ", ")));

@@ -3,6 +3,7 @@
 #include <initializer_list>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,7 +24,10 @@ class TomlTable {
   bool is_number(std::string_view key) const;
   std::vector<std::string> keys() const;
   /// Refuses any key that is not among these.
-  void allow_only(std::initializer_list<std::string_view> keys) const;
+  void allow_only(std::span<const std::string_view> keys) const;
+  void allow_only(std::initializer_list<std::string_view> keys) const {
+    allow_only(std::span(keys.begin(), keys.size()));
+  }
   /// The one of these keys that is there; refuses none and two.
   std::string_view one_of(std::initializer_list<std::string_view> keys) const;
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "polhode/torque/trajectory.hpp"
 
 namespace polhode {
@@ -13,6 +15,8 @@ namespace polhode {
 /// magnetic tensor, is in S m^4 = N m s / T^2: it is a conductivity times a length to the fifth.
 struct EddyCurrents {
   static constexpr std::string_view name = "eddy currents";
+  static constexpr std::array<std::string_view, 4> keys{"magnetic_tensor_s_m4", "dipole_t_m3", "dipole_axis", "orbit"};
+  static constexpr bool needs_absolute_inertia = true;
 
   Matrix3 magnetic_tensor_s_m4;  ///< symmetric, body axes
   Vector3 dipole_axis;    ///< unit, inertial, along the magnetic moment: southward for the Earth, since the field
@@ -20,12 +24,19 @@ struct EddyCurrents {
   double dipole_t_m3;     ///< field on the dipole's equator times the distance cubed, 0 or more; Earth 7.8e15
   Trajectory trajectory;  ///< of the body, from the dipole
 
+  template <class Table>
+  static EddyCurrents read(const Table& table) {
+    return {table.matrix3("magnetic_tensor_s_m4"), table.direction("dipole_axis"), table.number("dipole_t_m3"),
+            table.orbit().trajectory};
+  }
   /// Throws InputError for a tensor that is not symmetric (within 1e-9 of its size), an axis that is not of length 1
   /// (likewise), a dipole that is negative, or a number that is not finite.
   void check() const;
   EddyCurrents turned(const Matrix3& to_from) const {
     return {to_from * magnetic_tensor_s_m4 * to_from.transpose(), dipole_axis, dipole_t_m3, trajectory};
   }
+
+  double largest(double t_s, const Vector3& moments, double momentum) const;
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {

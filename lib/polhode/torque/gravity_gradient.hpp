@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "polhode/torque/trajectory.hpp"
 
 namespace polhode {
@@ -11,14 +13,22 @@ namespace polhode {
 /// The field's next terms are smaller by (size of the body)/r.
 struct GravityGradient {
   static constexpr std::string_view name = "gravity gradient";
+  static constexpr std::array<std::string_view, 1> keys{"orbit"};
+  static constexpr bool needs_absolute_inertia = false;
 
   double mu_m3_s2;        ///< G times the mass, positive
   Trajectory trajectory;  ///< of the body, from that mass
 
   GravityGradient(double mu, Trajectory way) : mu_m3_s2(mu), trajectory(std::move(way)) {}
 
+  template <class Table>
+  static GravityGradient read(const Table& table) {
+    return {table.orbit().mu_m3_s2, table.orbit().trajectory};
+  }
   void check() const;
   const GravityGradient& turned(const Matrix3&) const { return *this; }
+
+  double largest(double t_s, const Vector3& moments, double momentum) const;
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>& I, TorqueTerms<Real>& terms) const {

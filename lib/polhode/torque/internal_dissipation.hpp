@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "polhode/torque/terms.hpp"
 
 namespace polhode {
@@ -13,6 +15,8 @@ namespace polhode {
 /// relative to a body turning at omega, which is what a body that is not quite rigid does.
 struct InternalDissipation {
   static constexpr std::string_view name = "internal dissipation";
+  static constexpr std::array<std::string_view, 1> keys{"quality_factor"};
+  static constexpr bool needs_absolute_inertia = false;
 
   double relaxation;  ///< k, 1/(unit of momentum): k |m| is a number, the slip per radian turned; 0 or more
 
@@ -22,8 +26,18 @@ struct InternalDissipation {
   /// the moments those of a body that is no sphere.
   static InternalDissipation from_quality_factor(double quality_factor, const Vector3& moments, double momentum);
 
+  template <class Table>
+  static InternalDissipation read(const Table& table) {
+    const double quality_factor = table.positive_number("quality_factor");
+    return table.located("kind",
+                         [&] { return from_quality_factor(quality_factor, table.moments(), table.momentum()); });
+  }
   void check() const;
   const InternalDissipation& turned(const Matrix3&) const { return *this; }
+
+  double largest(double, const Vector3& moments, double momentum) const {
+    return relaxation * momentum * momentum * momentum * 0.5 * (1.0 / moments[0] - 1.0 / moments[2]);
+  }
 
   template <class Real>
   void add(const TorquePlace<Real>&, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {

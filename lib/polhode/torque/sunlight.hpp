@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -19,6 +20,10 @@ namespace polhode {
 class Sunlight {
  public:
   static constexpr std::string_view name = "sunlight";
+  static constexpr std::array<std::string_view, 6> keys{"mesh",     "unit_m",  "centre_of_mass",
+                                                        "specular", "diffuse", "orbit"};
+  static constexpr bool needs_absolute_inertia = true;
+  static constexpr bool has_kinks = true;  // where a facet comes into the light or goes out of it
 
   struct Surface {
     double specular = 0.0;  ///< share of the light mirrored
@@ -29,6 +34,14 @@ class Sunlight {
   /// InputError for shares outside 0 to 1 or above 1 together, a mesh without facets, a corner that is not finite, an
   /// index without corner.
   Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way);
+
+  template <class Table>
+  static Sunlight read(const Table& table) {
+    const TriangleMesh mesh = table.mesh_from_centre_of_mass_m();
+    const Surface surface{table.number("specular"), table.number("diffuse")};
+    const Trajectory& from_sun = table.orbit().trajectory;
+    return table.located("specular", [&] { return Sunlight(mesh, surface, from_sun); });
+  }
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
@@ -42,10 +55,8 @@ class Sunlight {
   /// N m, in the axes of the facets; `to_sun_body_m` is the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const;
 
-  /// N m: no attitude feels more at time t.
-  double largest_torque(double t_s) const;
-
-  std::size_t facet_count() const { return facets_->size(); }
+  double largest(double t_s, const Vector3& moments, double momentum) const;
+  double cost_of_evaluation() const { return static_cast<double>(facets_->size()) / 50.0; }
 
   Trajectory trajectory;  ///< of the body, from the Sun
 

@@ -31,6 +31,25 @@ void check_finite(std::string_view what, double value) {
 
 void GravityGradient::check() const { check_positive("mu", mu_m3_s2); }
 
+double GravityGradient::largest(double t_s, const Vector3& I, double) const {
+  const double r = trajectory.state(t_s).position_m.norm();
+  return 1.5 * mu_m3_s2 / (r * r * r) * (I[2] - I[0]);
+}
+
+/// The matrix times 1/I is what it takes of the momentum per second; its norm from above by those of its columns and
+/// rows (exact where it is diagonal).
+double LinearDamping::largest(double, const Vector3& I, double momentum) const {
+  const Matrix3 sizes = (coefficients * I.cwiseInverse().asDiagonal()).cwiseAbs();
+  return std::sqrt(sizes.colwise().sum().maxCoeff() * sizes.rowwise().sum().maxCoeff()) * momentum;
+}
+
+double EddyCurrents::largest(double t_s, const Vector3& I, double momentum) const {
+  const OrbitState<double> orbit = trajectory.state(t_s);
+  const double r = orbit.position_m.norm(), v = orbit.velocity_m_s.norm();
+  const double field = 2.0 * dipole_t_m3 / (r * r * r);
+  return magnetic_tensor_s_m4.norm() * field * field * (momentum / I[0] + 6.0 * v / r);
+}
+
 void ThrusterPulse::check() const {
   check_finite("the start of the pulse", start_s);
   check_positive("the duration of the pulse", duration_s);
@@ -123,17 +142,23 @@ double Torques::time_scale_s(double t_s) const {
 }
 
 bool Torques::smooth() const {
-  return std::none_of(torques_.begin(), torques_.end(),
-                      [](const Torque& torque) { return std::holds_alternative<Sunlight>(torque); });
+  return std::none_of(torques_.begin(), torques_.end(), [](const Torque& torque) {
+    return std::visit(
+        [](const auto& one) {
+          return requires { one.has_kinks; };
+        },
+        torque);
+  });
 }
 
 double Torques::cost_of_evaluation() const {
-  constexpr double facets_per_gradient = 50.0;
   double cost = 1.0;
   for (const Torque& torque : torques_) {
-    if (const auto* sunlight = std::get_if<Sunlight>(&torque)) {
-      cost += static_cast<double>(sunlight->facet_count()) / facets_per_gradient;
-    }
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (requires { one.cost_of_evaluation(); }) cost += one.cost_of_evaluation();
+        },
+        torque);
   }
   return cost;
 }
@@ -162,10 +187,13 @@ Torques Torques::without_pulls() const {
 std::vector<double> Torques::jumps_s() const {
   std::vector<double> times_s;
   for (const Torque& torque : torques_) {
-    if (const auto* pulse = std::get_if<ThrusterPulse>(&torque)) {
-      times_s.push_back(pulse->start_s);
-      times_s.push_back(pulse->end_s());
-    }
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (JumpingTorque<std::decay_t<decltype(one)>>) {
+            for (const double jump_s : one.jumps_s()) times_s.push_back(jump_s);
+          }
+        },
+        torque);
   }
   for (const Trajectory& trajectory : trajectories_) {
     if (trajectory.table() == nullptr) continue;
@@ -181,12 +209,15 @@ Torques Torques::during(double inside_s) const {
   check_finite("the time between two jumps", inside_s);
   std::vector<Torque> on;
   for (const Torque& torque : torques_) {
-    const auto* pulse = std::get_if<ThrusterPulse>(&torque);
-    if (pulse == nullptr) {
-      on.push_back(torque);
-    } else if (pulse->start_s < inside_s && inside_s < pulse->end_s()) {
-      on.push_back(ConstantTorque{pulse->torque_body, ConstantTorque::Axes::body});
-    }
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (JumpingTorque<std::decay_t<decltype(one)>>) {
+            if (const auto other = one.during(inside_s)) on.push_back(*other);
+          } else {
+            on.push_back(one);
+          }
+        },
+        torque);
   }
   return Torques(std::move(on));
 }

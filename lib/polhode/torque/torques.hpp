@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <string_view>
 #include <variant>
@@ -16,10 +17,47 @@
 
 namespace polhode {
 
-/// Each has, besides what it does: `name`; check(), which throws InputError for what its description excludes (Torques
-/// calls it); and turned(to_from), the same torque in other body axes, v_to = R v_from.
+/// Every torque. A new one is a file of its own and an entry here; readers, plans and messages find the rest in it:
+///
+///     name, keys                   its kind, and the keys of its table in a scene
+///     needs_absolute_inertia       whether it means nothing to a body whose moments are ratios
+///     read(table)                  the torque of a scene's table (read/torque_table.hpp says what a table answers)
+///     check()                      throws InputError for what its description excludes; Torques calls it
+///     turned(to_from)              the same torque in other body axes, v_to = R v_from
+///     largest(t_s, moments, |m|)   no attitude, and no momentum of this length, feels a larger torque at time t
+///     add(place, moments, terms)   its part of TorqueTerms; or, for a torque that jumps in time and is constant
+///     between, jumps_s(), during(inside_s)  its jumps, and what it is between two of them: nothing, or another torque
+///
+/// If it has a `trajectory`, `place` says where the body is on it. `has_kinks` and cost_of_evaluation() (beside that of
+/// a gravity gradient, 1) may be left out.
 using Torque = std::variant<GravityGradient, ConstantTorque, ThrusterPulse, LinearDamping, EddyCurrents,
                             InternalDissipation, Sunlight>;
+
+template <class One>
+concept JumpingTorque = requires(const One& one) {
+  one.jumps_s();
+  one.during(0.0);
+};
+template <class One>
+concept TorqueKind = requires(const One& one, const Matrix3& rotation, const Vector3& moments,
+                              TorqueTerms<double>& terms) {
+  { One::name } -> std::convertible_to<std::string_view>;
+  {std::string_view(One::keys[0])};
+  { One::needs_absolute_inertia } -> std::convertible_to<bool>;
+  one.check();
+  { one.turned(rotation) } -> std::convertible_to<One>;
+  { one.largest(0.0, moments, 1.0) } -> std::convertible_to<double>;
+  requires JumpingTorque<One> || requires { one.add(TorquePlace<double>{}, moments, terms); };
+};
+
+/// Calls visit.template operator()<One>() for each kind of torque, in the order above.
+template <class Visit>
+void for_each_torque_kind(const Visit& visit) {
+  [&]<class... Kinds>(std::type_identity<std::variant<Kinds...>>) {
+    static_assert((TorqueKind<Kinds> && ...));
+    (visit.template operator()<Kinds>(), ...);
+  }(std::type_identity<Torque>{});
+}
 
 /// "gravity gradient", "sunlight" …
 std::string_view torque_name(const Torque& torque);
@@ -51,7 +89,7 @@ class Torques {
   }
 
   /// The sum in these surroundings at an attitude (v_inertial = R v_principal), for a body of these principal moments;
-  /// of torques in principal axes. Thruster pulses are left out: see during().
+  /// of torques in principal axes. Those that jump in time are left out: see during().
   template <class Real>
   TorqueTerms<Real> at(const Surroundings<Real>& surroundings, const Matrix3Of<Real>& inertial_from_body,
                        const Vector3Of<Real>& moments) const {
@@ -61,7 +99,7 @@ class Torques {
       place.orbit = orbit_of_torque_[i] == kNone ? nullptr : &surroundings[orbit_of_torque_[i]];
       std::visit(
           [&](const auto& one) {
-            if constexpr (!std::is_same_v<std::decay_t<decltype(one)>, ThrusterPulse>) one.add(place, moments, terms);
+            if constexpr (!JumpingTorque<std::decay_t<decltype(one)>>) one.add(place, moments, terms);
           },
           torques_[i]);
     }
@@ -77,10 +115,9 @@ class Torques {
   /// is not much longer cannot miss an encounter.
   double time_scale_s(double t_s) const;
 
-  /// Times, ascending, at which a torque jumps: pulses, and where one part of a trajectory follows another.
+  /// Times, ascending, at which a torque jumps: its own jumps, and where one part of a trajectory follows another.
   std::vector<double> jumps_s() const;
-  /// The torques at work between two neighbouring jumps, pulses among them as constant ones. `inside_s` is any time
-  /// between the two.
+  /// The torques at work between two neighbouring jumps, none of which jumps. `inside_s` is any time between the two.
   Torques during(double inside_s) const;
 
   /// The point masses of the gravity gradients, each with the place of its trajectory among trajectories(): what a
@@ -93,8 +130,7 @@ class Torques {
   /// The other torques, with the same trajectories.
   Torques without_pulls() const;
 
-  /// Whether every torque is a smooth function of time and attitude. Sunlight on facets is not: where a facet comes
-  /// into the light or goes out of it, the torque has a kink.
+  /// Whether no torque has kinks in time or attitude.
   bool smooth() const;
 
   /// What one evaluation costs, in evaluations of a gravity gradient, roughly.
