@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
@@ -98,6 +99,12 @@ Vector3 omega_body_rad_s(const EulerSequence& sequence, const Vector3& angles_ra
   const Quaternion second = turn(axes[1], angles_rad[1]) * third;
   return rates_rad_s[0] * (second.conjugate() * Vector3::Unit(axes[0])) +
          rates_rad_s[1] * (third.conjugate() * Vector3::Unit(axes[1])) + rates_rad_s[2] * Vector3::Unit(axes[2]);
+}
+
+Vector3 euler_rates_rad_s(const EulerSequence& sequence, const Vector3& angles_rad, const Vector3& omega_body) {
+  Matrix3 omega_of_rates;  // omega is linear in the rates
+  for (int k = 0; k < 3; ++k) omega_of_rates.col(k) = omega_body_rad_s(sequence, angles_rad, Vector3::Unit(k));
+  return omega_of_rates.inverse() * omega_body;
 }
 
 }  // namespace polhode

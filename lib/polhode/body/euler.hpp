@@ -38,4 +38,8 @@ Vector3 euler_angles_rad(const EulerSequence& sequence, const Quaternion& q_fram
 /// Angular velocity in body axes of angles that change at these rates.
 Vector3 omega_body_rad_s(const EulerSequence& sequence, const Vector3& angles_rad, const Vector3& rates_rad_s);
 
+/// The rates of the three angles of a body that turns with this angular velocity, in body axes. Not finite where the
+/// sequence is singular.
+Vector3 euler_rates_rad_s(const EulerSequence& sequence, const Vector3& angles_rad, const Vector3& omega_body_rad_s);
+
 }  // namespace polhode

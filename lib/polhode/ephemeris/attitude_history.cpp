@@ -132,6 +132,11 @@ std::string_view name(AttitudeInterpolation method) {
   return "";
 }
 
+void AttitudeSegment::choose_method() {
+  method = has_rates() ? AttitudeInterpolation::hermite : AttitudeInterpolation::linear;
+  degree = has_rates() ? 3 : 1;
+}
+
 Instant AttitudeSegment::first() const {
   const Instant rows = samples.front().time;
   return usable_start && rows < *usable_start ? *usable_start : rows;

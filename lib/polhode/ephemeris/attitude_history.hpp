@@ -41,6 +41,9 @@ struct AttitudeSegment {
 
   bool has_rates() const { return !samples.empty() && samples.front().omega_body_rad_s.has_value(); }
 
+  /// HERMITE of degree 3 of rows with rates, else LINEAR: our choice where the file says nothing.
+  void choose_method();
+
   /// The first and the last instant at which an attitude may be asked for: those of the rows, within the usable span.
   /// `last` is before `first` where the usable span holds no row and lies between none.
   Instant first() const;

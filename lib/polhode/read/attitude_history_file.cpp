@@ -30,9 +30,7 @@ void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string
     history.warnings.push_back(
         fmt::format("{}: the frame {:.40} is not known; it is taken as a name only", path, frame_name));
   }
-  const bool rates = segment.has_rates();
-  segment.method = rates ? AttitudeInterpolation::hermite : AttitudeInterpolation::linear;
-  segment.degree = rates ? 3 : 1;
+  segment.choose_method();
   history.segments.push_back(std::move(segment));
 }
 

@@ -100,25 +100,31 @@ CcsdsClock ccsds_clock(const CcsdsEntry& entry, const std::string& file) {
                   entry.value));
 }
 
-CcsdsFields::CcsdsFields(const CcsdsBlock& block, std::span<const CcsdsRule> rules, std::string what, std::string file)
-    : rules_(rules), what_(std::move(what)), file_(std::move(file)), line_(block.line) {
+bool CcsdsRule::names(std::string_view keyword) const {
+  return contains_word(keywords, keyword) || (keywords.ends_with('_') && keyword.starts_with(keywords));
+}
+
+CcsdsFields::CcsdsFields(const CcsdsBlock& block, std::span<const CcsdsRule> rules, std::string what, std::string file,
+                         int version)
+    : what_(std::move(what)), file_(std::move(file)), line_(block.line) {
   for (const CcsdsEntry& e : block.entries) {
-    const CcsdsRule* rule = nullptr;
-    for (const CcsdsRule& r : rules_) {
-      if (r.keyword == e.keyword || (r.keyword == "USER_DEFINED_" && e.keyword.starts_with(r.keyword))) rule = &r;
-    }
-    if (rule == nullptr)
+    const auto rule = std::find_if(rules.begin(), rules.end(),
+                                   [&](const CcsdsRule& r) { return r.may(version) && r.names(e.keyword); });
+    if (rule == rules.end())
       throw InputError({file_, e.line}, fmt::format("the keyword {} is not allowed in {}", e.keyword, what_));
-    const auto [place, added] = entries_.try_emplace(e.keyword, &e);
+    const auto [place, added] = fields_.try_emplace(e.keyword, Field{&e, &*rule});
     if (!added) {
-      throw InputError({file_, e.line},
-                       fmt::format("{} is repeated in {} (first on line {})", e.keyword, what_, place->second->line));
+      throw InputError({file_, e.line}, fmt::format("{} is repeated in {} (first on line {})", e.keyword, what_,
+                                                    place->second.entry->line));
     }
     if (e.value.empty()) throw InputError({file_, e.line}, fmt::format("{} has no value", e.keyword));
-    check(e, *rule);
+    check(place->second);
   }
-  for (const CcsdsRule& r : rules_) {
-    if (r.mandatory && !has(r.keyword)) missing(r.keyword);
+  for (const CcsdsRule& r : rules) {
+    if (!r.must(version)) continue;
+    for (const std::string_view keyword : split_words(r.keywords)) {
+      if (!has(keyword)) missing(keyword);
+    }
   }
 }
 
@@ -126,17 +132,18 @@ void CcsdsFields::missing(std::string_view keyword) const {
   throw InputError(start(), fmt::format("{} is missing in {}", keyword, what_));
 }
 
-void CcsdsFields::check(const CcsdsEntry& entry, const CcsdsRule& rule) const {
+void CcsdsFields::check(const Field& field) const {
+  const CcsdsEntry& entry = *field.entry;
+  const CcsdsRule& rule = *field.rule;
   const SourceLocation at{file_, entry.line};
   const auto fail = [&](std::string_view wanted) {
     throw InputError(at, fmt::format("{} = {}: {} is wanted", entry.keyword, entry.value, wanted));
   };
-  if (!rule.choices.empty() &&
-      fmt::format(" {} ", rule.choices).find(fmt::format(" {} ", ccsds_text(entry.value))) == std::string::npos) {
+  if (!rule.choices.empty() && !contains_word(rule.choices, ccsds_text(entry.value))) {
     throw InputError(at, fmt::format("{} = {} is not one of: {}", entry.keyword, entry.value, rule.choices));
   }
   if (!entry.unit.empty()) {
-    if (rule.unit.empty() && entry.unit != "n/a" && rule.keyword != "USER_DEFINED_") {
+    if (rule.unit.empty() && entry.unit != "n/a" && rule.keywords != "USER_DEFINED_") {
       throw InputError(at, fmt::format("{} has no unit, found [{}]", entry.keyword, entry.unit));
     }
     if (!rule.unit.empty() && !unit_factor(entry.unit, rule.unit)) {
@@ -173,7 +180,7 @@ void CcsdsFields::check(const CcsdsEntry& entry, const CcsdsRule& rule) const {
       if (as_numbers(1)[0] == 0.0) fail("a number other than 0");
       return;
     case CcsdsValue::angle:
-      if (std::abs(as_numbers(1)[0] * factor(entry)) > 360.0) fail("an angle from -360 to 360 deg");
+      if (std::abs(as_numbers(1)[0] * field.factor()) > 360.0) fail("an angle from -360 to 360 deg");
       return;
     case CcsdsValue::integer: {
       const std::optional<long long> value = parse_integer(entry.value);
@@ -205,18 +212,15 @@ void CcsdsFields::check(const CcsdsEntry& entry, const CcsdsRule& rule) const {
   }
 }
 
-double CcsdsFields::factor(const CcsdsEntry& entry) const {
-  if (entry.unit.empty()) return 1.0;
-  for (const CcsdsRule& r : rules_) {
-    if (r.keyword == entry.keyword) return r.unit.empty() ? 1.0 : unit_factor(entry.unit, r.unit).value_or(1.0);
-  }
-  return 1.0;
+double CcsdsFields::Field::factor() const {
+  if (entry->unit.empty() || rule->unit.empty()) return 1.0;
+  return unit_factor(entry->unit, rule->unit).value_or(1.0);
 }
 
-const CcsdsEntry& CcsdsFields::entry(std::string_view keyword) const {
-  const auto found = entries_.find(keyword);
-  if (found == entries_.end()) missing(keyword);
-  return *found->second;
+const CcsdsFields::Field& CcsdsFields::field(std::string_view keyword) const {
+  const auto found = fields_.find(keyword);
+  if (found == fields_.end()) missing(keyword);
+  return found->second;
 }
 
 std::string CcsdsFields::text(std::string_view keyword) const {
@@ -226,15 +230,15 @@ std::string CcsdsFields::text(std::string_view keyword) const {
 std::string CcsdsFields::normal(std::string_view keyword) const { return ccsds_text(text(keyword)); }
 
 double CcsdsFields::number(std::string_view keyword) const {
-  const CcsdsEntry& e = entry(keyword);
-  return ccsds_number(e.value, {file_, e.line}) * factor(e);
+  const Field& f = field(keyword);
+  return ccsds_number(f.entry->value, where(keyword)) * f.factor();
 }
 
 std::vector<double> CcsdsFields::numbers(std::string_view keyword) const {
-  const CcsdsEntry& e = entry(keyword);
+  const Field& f = field(keyword);
   std::vector<double> list;
-  for (const std::string_view word : split_words(e.value))
-    list.push_back(ccsds_number(word, {file_, e.line}) * factor(e));
+  for (const std::string_view word : split_words(f.entry->value))
+    list.push_back(ccsds_number(word, where(keyword)) * f.factor());
   return list;
 }
 
@@ -248,6 +252,12 @@ bool CcsdsFields::all_or_none(std::initializer_list<std::string_view> keywords) 
   if (first.empty()) return false;
   if (!absent.empty())
     throw InputError(where(first), fmt::format("{} is given without {} in {}", first, absent, what_));
+  return true;
+}
+
+bool CcsdsFields::append(std::initializer_list<std::string_view> keywords, std::vector<double>& list) const {
+  if (!all_or_none(keywords)) return false;
+  for (const std::string_view k : keywords) list.push_back(number(k));
   return true;
 }
 

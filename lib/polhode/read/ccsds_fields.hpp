@@ -32,13 +32,28 @@ enum class CcsdsValue {
   sequence,    ///< three axes, no two neighbours alike
 };
 
+/// Whether a keyword may or must stand in version 1 (bits 1 and 2) and in version 2 of the standard (bits 4 and 8).
+enum class CcsdsUse {
+  optional_v1 = 1,
+  required_v1 = 3,
+  optional_v2 = 4,
+  required_v2 = 12,
+  optional = 5,
+  required = 15,
+  required_v2_optional_v1 = 13,
+};
+
 /// A row of the standard's tables of keywords.
 struct CcsdsRule {
-  std::string_view keyword;
-  bool mandatory = false;
+  std::string_view keywords;  ///< between blanks; one that ends in _ stands for all that begin so
+  CcsdsUse use = CcsdsUse::optional;
   CcsdsValue value = CcsdsValue::text;
   std::string_view unit = {};     ///< of numbers; empty: none may be given
   std::string_view choices = {};  ///< allowed texts, between blanks; empty: any
+
+  bool names(std::string_view keyword) const;
+  bool may(int version) const { return (static_cast<int>(use) & (version == 1 ? 1 : 4)) != 0; }
+  bool must(int version) const { return (static_cast<int>(use) & (version == 1 ? 2 : 8)) != 0; }
 };
 
 /// How a message counts time.
@@ -72,11 +87,13 @@ Quaternion ccsds_quaternion(const Eigen::Vector4d& vector_then_scalar, const Sou
 /// and units as the rules say. Order is not checked: real messages differ.
 class CcsdsFields {
  public:
-  /// Throws InputError. `what` names the block in messages: "the QUAT block of an APM 2.0".
-  CcsdsFields(const CcsdsBlock& block, std::span<const CcsdsRule> rules, std::string what, std::string file);
+  /// Throws InputError. `what` names the block in messages: "the QUAT block of an APM 2.0"; the rules are those of the
+  /// version, 1 or 2.
+  CcsdsFields(const CcsdsBlock& block, std::span<const CcsdsRule> rules, std::string what, std::string file,
+              int version = 2);
 
-  bool has(std::string_view keyword) const { return entries_.contains(keyword); }
-  const CcsdsEntry& entry(std::string_view keyword) const;
+  bool has(std::string_view keyword) const { return fields_.contains(keyword); }
+  const CcsdsEntry& entry(std::string_view keyword) const { return *field(keyword).entry; }
   /// As in the file; empty if absent.
   std::string text(std::string_view keyword) const;
   /// By ccsds_text(); empty if absent.
@@ -90,14 +107,23 @@ class CcsdsFields {
 
   /// Either all or none. Throws InputError naming the first that is missing.
   bool all_or_none(std::initializer_list<std::string_view> keywords) const;
+  /// The same, and appends their numbers.
+  bool append(std::initializer_list<std::string_view> keywords, std::vector<double>& list) const;
   [[noreturn]] void missing(std::string_view keyword) const;
 
  private:
-  void check(const CcsdsEntry& entry, const CcsdsRule& rule) const;
-  double factor(const CcsdsEntry& entry) const;
+  struct Field {
+    const CcsdsEntry* entry;
+    const CcsdsRule* rule;
 
-  std::map<std::string_view, const CcsdsEntry*, std::less<>> entries_;
-  std::span<const CcsdsRule> rules_;
+    /// Of the entry's unit, to that of the rule.
+    double factor() const;
+  };
+
+  void check(const Field& field) const;
+  const Field& field(std::string_view keyword) const;
+
+  std::map<std::string_view, Field, std::less<>> fields_;
   std::string what_;
   std::string file_;
   std::size_t line_;

@@ -3,50 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <pugixml.hpp>
 
 #include "polhode/base/error.hpp"
+#include "polhode/read/ccsds_xml.hpp"
 #include "polhode/read/text.hpp"
 
 namespace polhode {
 namespace {
-
-constexpr std::array<std::string_view, 3> attitude_kinds{"APM", "AEM", "ACM"};
-constexpr std::array<std::string_view, 1> orbit_kinds{"OEM"};
-constexpr std::array<std::string_view, 12> all_kinds{"APM", "AEM", "ACM", "OPM", "OMM", "OEM",
-                                                     "OCM", "TDM", "CDM", "RDM", "PRM", "NDM"};
-
-template <typename List>
-bool contains(const List& list, std::string_view item) {
-  return std::find(list.begin(), list.end(), item) != list.end();
-}
-
-bool is_keyword(std::string_view word) {
-  return !word.empty() && word.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == std::string_view::npos;
-}
 
 /// The kind in CCSDS_kind_VERS, or nothing.
 std::string_view kind_of(std::string_view keyword) {
   if (keyword.size() != 14 || !keyword.starts_with("CCSDS_") || !keyword.ends_with("_VERS")) return {};
   return keyword.substr(6, 3);
 }
-
-bool is_wanted(std::string_view kind, CcsdsContent content) {
-  return content == CcsdsContent::attitude ? contains(attitude_kinds, kind) : contains(orbit_kinds, kind);
-}
-
-void check_kind(std::string_view kind, CcsdsContent content, const SourceLocation& where) {
-  if (is_wanted(kind, content)) return;
-  throw InputError(
-      where,
-      content == CcsdsContent::attitude
-          ? fmt::format("the message is of kind {}, which holds no attitude; attitude messages are APM, AEM and ACM",
-                        kind)
-          : fmt::format("the message is of kind {}, which holds no trajectory; an OEM is wanted", kind));
-}
-
-// --- KVN ---------------------------------------------------------------------------------------------------------
 
 /// A line of KVN, taken apart.
 struct KvnLine {
@@ -70,15 +39,15 @@ KvnLine kvn_line(std::string_view text, std::size_t number, const std::string& n
   const std::string_view content = trimmed(text);
   const std::string_view first = content.substr(0, std::min(content.find_first_of(" \t="), content.size()));
   if (content.empty() || first == "COMMENT") return line;
-  if (is_keyword(content) && content.ends_with("_START")) {
+  if (is_ccsds_keyword(content) && content.ends_with("_START")) {
     line.kind = KvnLine::Kind::start;
     line.entry = {std::string(content.substr(0, content.size() - 6)), "", "", number};
-  } else if (is_keyword(content) && content.ends_with("_STOP")) {
+  } else if (is_ccsds_keyword(content) && content.ends_with("_STOP")) {
     line.kind = KvnLine::Kind::stop;
     line.entry = {std::string(content.substr(0, content.size() - 5)), "", "", number};
   } else if (const std::size_t equals = content.find('='); equals != std::string_view::npos) {
     const std::string_view keyword = trimmed(content.substr(0, equals));
-    if (!is_keyword(keyword)) {
+    if (!is_ccsds_keyword(keyword)) {
       throw InputError({name, number}, fmt::format("'{}' is not a keyword (capital letters, digits and _)", keyword));
     }
     line.kind = KvnLine::Kind::entry;
@@ -93,10 +62,8 @@ KvnLine kvn_line(std::string_view text, std::size_t number, const std::string& n
   return line;
 }
 
-constexpr std::array<std::string_view, 4> header_keywords{"CLASSIFICATION", "CREATION_DATE", "ORIGINATOR",
-                                                          "MESSAGE_ID"};
-constexpr std::array<std::string_view, 4> apm_metadata_keywords{"OBJECT_NAME", "OBJECT_ID", "CENTER_NAME",
-                                                                "TIME_SYSTEM"};
+constexpr std::string_view header_keywords = "CLASSIFICATION CREATION_DATE ORIGINATOR MESSAGE_ID";
+constexpr std::string_view apm_metadata_keywords = "OBJECT_NAME OBJECT_ID CENTER_NAME TIME_SYSTEM";
 
 /// Puts KVN lines into a message. Blocks nest by START and STOP; an APM has no marks around header, metadata and data,
 /// there the keywords tell.
@@ -110,7 +77,7 @@ class KvnBuilder {
       const std::string_view kind =
           line.kind == KvnLine::Kind::entry ? kind_of(line.entry.keyword) : std::string_view{};
       if (kind.empty()) throw InputError({name_, number}, "the first line must be CCSDS_xxx_VERS = version");
-      check_kind(kind, content_, {name_, number});
+      check_ccsds_kind(kind, content_, {name_, number});
       message_.kind = kind;
       message_.version = line.entry.value;
       message_.header.name = "header";
@@ -171,9 +138,10 @@ class KvnBuilder {
       if (message_.segments.empty()) return message_.header;
       throw InputError({name_, line}, fmt::format("{} stands outside of any block", keyword));
     }
-    if (message_.segments.empty() && contains(header_keywords, keyword)) return message_.header;
+    if (message_.segments.empty() && contains_word(header_keywords, keyword)) return message_.header;
     CcsdsSegment& s = segment(line);
-    if (s.data.entries.empty() && s.data.blocks.empty() && contains(apm_metadata_keywords, keyword)) return s.metadata;
+    if (s.data.entries.empty() && s.data.blocks.empty() && contains_word(apm_metadata_keywords, keyword))
+      return s.metadata;
     if (s.data.entries.empty() && s.data.blocks.empty()) s.data.line = line;
     return s.data;
   }
@@ -230,262 +198,29 @@ CcsdsFile parse_kvn(std::string_view text, const std::string& name, CcsdsContent
   return file;
 }
 
-// --- XML ---------------------------------------------------------------------------------------------------------
-
-/// Elements that hold a block, and the block's name in KVN. Names of both versions, and those that Orekit writes.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 22> block_elements{
-    {{"quaternionState", "QUAT"},
-     {"eulerAngleState", "EULER"},
-     {"eulerElementsThree", "EULER"},
-     {"angularVelocity", "ANGVEL"},
-     {"spin", "SPIN"},
-     {"eulerElementsSpin", "SPIN"},
-     {"spinNutation", "SPIN"},
-     {"spinNutationMom", "SPIN"},
-     {"inertia", "INERTIA"},
-     {"spacecraftParameters", "INERTIA"},
-     {"maneuverParameters", "MAN"},
-     {"att", "ATT"},
-     {"phys", "PHYS"},
-     {"cov", "COV"},
-     {"man", "MAN"},
-     {"ad", "AD"},
-     {"user", "USER"},
-     {"userDefinedParameters", "USER"},
-     {"sensorData", "SENSOR"},
-     {"sensor", "SENSOR"},
-     {"metadata", "META"},
-     {"header", "header"}}};
-
-/// Elements around values that have no counterpart in KVN.
-constexpr std::array<std::string_view, 21> wrappers{"quaternion",
-                                                    "quaternionDot",
-                                                    "quaternionRate",
-                                                    "rotationAngles",
-                                                    "rotationRates",
-                                                    "angVel",
-                                                    "nutation",
-                                                    "momentum",
-                                                    "quaternionEphemeris",
-                                                    "quaternionState",
-                                                    "quaternionDerivative",
-                                                    "quaternionAngVel",
-                                                    "quaternionEulerRate",
-                                                    "eulerAngle",
-                                                    "eulerAngleRate",
-                                                    "eulerAngleDerivative",
-                                                    "eulerAngleAngVel",
-                                                    "spin",
-                                                    "spinNutation",
-                                                    "spinNutationMom",
-                                                    "eulerAngleState"};
-
-class XmlBuilder {
- public:
-  XmlBuilder(std::string_view text, const std::string& name, CcsdsContent content) : name_(name), content_(content) {
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      if (text[i] == '\n') line_ends_.push_back(i);
-    }
-    const pugi::xml_parse_result result =
-        document_.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_trim_pcdata);
-    if (!result) {
-      throw InputError({name_, line_at(result.offset)}, fmt::format("broken XML: {}", result.description()));
-    }
-  }
-
-  CcsdsFile build() {
-    CcsdsFile file;
-    const pugi::xml_node root = document_.document_element();
-    const std::string kind = upper_case(local_name(root));
-    if (kind != "NDM") {
-      file.messages.push_back(message(root, kind));
-      return file;
-    }
-    for (const pugi::xml_node child : elements(root)) {
-      const std::string child_kind = upper_case(local_name(child));
-      if (is_wanted(child_kind, content_)) {
-        file.messages.push_back(message(child, child_kind));
-      } else if (contains(all_kinds, child_kind)) {
-        file.other_messages.push_back(child_kind);
-      } else if (child_kind != "COMMENT" && child_kind != "MESSAGE_ID") {
-        fail(child, fmt::format("<{}> is no message that an NDM may hold", child.name()));
-      }
-    }
-    if (file.messages.empty()) {
-      fail(root, content_ == CcsdsContent::attitude ? "the NDM holds no APM, AEM or ACM" : "the NDM holds no OEM");
-    }
-    return file;
-  }
-
- private:
-  static std::string_view local_name(const pugi::xml_node& node) {
-    const std::string_view name = node.name();
-    const std::size_t colon = name.find(':');
-    return colon == std::string_view::npos ? name : name.substr(colon + 1);
-  }
-
-  static std::vector<pugi::xml_node> elements(const pugi::xml_node& parent) {
-    std::vector<pugi::xml_node> list;
-    for (const pugi::xml_node& child : parent.children()) {
-      if (child.type() == pugi::node_element) list.push_back(child);
-    }
-    return list;
-  }
-
-  std::size_t line_at(std::ptrdiff_t offset) const {
-    return 1 +
-           static_cast<std::size_t>(std::lower_bound(line_ends_.begin(), line_ends_.end(),
-                                                     static_cast<std::size_t>(std::max<std::ptrdiff_t>(offset, 0))) -
-                                    line_ends_.begin());
-  }
-  std::size_t line_of(const pugi::xml_node& node) const { return line_at(node.offset_debug()); }
-
-  [[noreturn]] void fail(const pugi::xml_node& node, const std::string& message) const {
-    throw InputError({name_, line_of(node)}, message);
-  }
-
-  CcsdsMessage message(const pugi::xml_node& node, const std::string& kind) {
-    check_kind(kind, content_, {name_, line_of(node)});
-    CcsdsMessage m;
-    m.kind = kind;
-    m.xml = true;
-    m.version = node.attribute("version").value();
-    const std::string_view id = node.attribute("id").value();
-    if (id != "CCSDS_" + kind + "_VERS") fail(node, fmt::format("id=\"{}\", wanted is id=\"CCSDS_{}_VERS\"", id, kind));
-    m.header.name = "header";
-    m.header.line = line_of(node);
-    bool has_body = false;
-    for (const pugi::xml_node& child : elements(node)) {
-      const std::string_view name = local_name(child);
-      if (name == "header" && m.header.entries.empty() && !has_body) {
-        m.header = block(child, "header");
-      } else if (name == "body" && !has_body) {
-        has_body = true;
-        for (const pugi::xml_node& part : elements(child)) {
-          if (local_name(part) != "segment") fail(part, fmt::format("<{}> where <segment> is wanted", part.name()));
-          m.segments.push_back(segment(part, kind));
-        }
-      } else {
-        fail(child, fmt::format("<{}> where one <header> and then one <body> are wanted", child.name()));
-      }
-    }
-    return m;
-  }
-
-  CcsdsSegment segment(const pugi::xml_node& node, const std::string& kind) {
-    const std::vector<pugi::xml_node> parts = elements(node);
-    if (parts.size() != 2 || local_name(parts[0]) != "metadata" || local_name(parts[1]) != "data") {
-      fail(node, "a segment has one <metadata> and then one <data>");
-    }
-    CcsdsSegment s;
-    s.metadata = block(parts[0], "META");
-    s.data.name = "data";
-    s.data.line = line_of(parts[1]);
-    if (kind == "OEM") {
-      for (const pugi::xml_node& child : elements(parts[1])) {
-        const std::string_view name = local_name(child);
-        if (name == "COMMENT" || name == "covarianceMatrix") continue;
-        if (name != "stateVector") fail(child, fmt::format("<{}> where <stateVector> is wanted", child.name()));
-        CcsdsRow row;
-        row.line = line_of(child);
-        flatten(child, row.cells, 0);
-        s.data.rows.push_back(std::move(row));
-      }
-      return s;
-    }
-    if (kind == "AEM") {
-      CcsdsBlock rows;
-      rows.name = "DATA";
-      rows.line = s.data.line;
-      for (const pugi::xml_node& child : elements(parts[1])) {
-        const std::string_view name = local_name(child);
-        if (name == "COMMENT") continue;
-        if (name != "attitudeState") fail(child, fmt::format("<{}> where <attitudeState> is wanted", child.name()));
-        CcsdsRow row;
-        row.line = line_of(child);
-        flatten(child, row.cells, 0);
-        rows.rows.push_back(std::move(row));
-      }
-      s.data.blocks.push_back(std::move(rows));
-      return s;
-    }
-    for (const pugi::xml_node& child : elements(parts[1])) {
-      const std::string_view name = local_name(child);
-      if (name == "COMMENT") continue;
-      if (is_keyword(name)) {
-        s.data.entries.push_back(entry(child));
-        continue;
-      }
-      const auto* const found =
-          std::find_if(block_elements.begin(), block_elements.end(), [&](const auto& b) { return b.first == name; });
-      if (found == block_elements.end()) fail(child, fmt::format("<{}> is no block of an {}", child.name(), kind));
-      s.data.blocks.push_back(block(child, found->second));
-    }
-    return s;
-  }
-
-  CcsdsBlock block(const pugi::xml_node& node, std::string_view name) {
-    CcsdsBlock b;
-    b.name = name;
-    b.line = line_of(node);
-    for (const pugi::xml_node& child : elements(node)) {
-      const std::string_view child_name = local_name(child);
-      if (child_name == "attLine" || child_name == "covLine") {
-        CcsdsRow row;
-        row.line = line_of(child);
-        for (const std::string_view word : split_words(child.text().get())) {
-          row.cells.push_back({"", std::string(word), "", row.line});
-        }
-        b.rows.push_back(std::move(row));
-      } else if (name == "AD" && (child_name == "sensorData" || child_name == "sensor")) {
-        b.blocks.push_back(block(child, "SENSOR"));
-      } else {
-        flatten_child(child, b.entries, 0);
-      }
-    }
-    return b;
-  }
-
-  void flatten(const pugi::xml_node& node, std::vector<CcsdsEntry>& entries, int depth) {
-    if (depth > 4) fail(node, fmt::format("<{}> is nested too deeply", node.name()));
-    for (const pugi::xml_node& child : elements(node)) flatten_child(child, entries, depth);
-  }
-
-  void flatten_child(const pugi::xml_node& child, std::vector<CcsdsEntry>& entries, int depth) {
-    const std::string_view name = local_name(child);
-    if (name == "COMMENT") return;
-    if (name == "rotation1" || name == "rotation2" || name == "rotation3") {
-      CcsdsEntry e = entry(child);
-      e.keyword = child.attribute("angle") ? child.attribute("angle").value() : child.attribute("rate").value();
-      if (!is_keyword(e.keyword)) fail(child, fmt::format("<{}> has no attribute angle or rate", child.name()));
-      entries.push_back(std::move(e));
-    } else if (name == "USER_DEFINED") {
-      CcsdsEntry e = entry(child);
-      e.keyword = std::string("USER_DEFINED_") + child.attribute("parameter").value();
-      entries.push_back(std::move(e));
-    } else if (is_keyword(name)) {
-      entries.push_back(entry(child));
-    } else if (contains(wrappers, name)) {
-      flatten(child, entries, depth + 1);
-    } else {
-      fail(child, fmt::format("<{}> cannot stand in <{}>", child.name(), child.parent().name()));
-    }
-  }
-
-  CcsdsEntry entry(const pugi::xml_node& node) const {
-    if (!elements(node).empty()) fail(node, fmt::format("<{}> holds elements where a value is wanted", node.name()));
-    const pugi::xml_attribute unit = node.attribute("units") ? node.attribute("units") : node.attribute("unit");
-    return {std::string(local_name(node)), std::string(trimmed(node.text().get())), std::string(trimmed(unit.value())),
-            line_of(node)};
-  }
-
-  const std::string& name_;
-  CcsdsContent content_;
-  pugi::xml_document document_;
-  std::vector<std::size_t> line_ends_;
-};
-
 }  // namespace
+
+bool is_ccsds_keyword(std::string_view word) {
+  return !word.empty() && word.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_") == std::string_view::npos;
+}
+
+bool is_ccsds_kind(std::string_view kind) {
+  return contains_word("APM AEM ACM OPM OMM OEM OCM TDM CDM RDM PRM NDM", kind);
+}
+
+bool is_wanted(std::string_view kind, CcsdsContent content) {
+  return content == CcsdsContent::attitude ? contains_word("APM AEM ACM", kind) : kind == "OEM";
+}
+
+void check_ccsds_kind(std::string_view kind, CcsdsContent content, const SourceLocation& where) {
+  if (is_wanted(kind, content)) return;
+  throw InputError(
+      where,
+      content == CcsdsContent::attitude
+          ? fmt::format("the message is of kind {}, which holds no attitude; attitude messages are APM, AEM and ACM",
+                        kind)
+          : fmt::format("the message is of kind {}, which holds no trajectory; an OEM is wanted", kind));
+}
 
 bool is_ccsds(std::string_view text) {
   text = without_mark(text);
@@ -501,7 +236,7 @@ bool is_ccsds(std::string_view text) {
     tag = tag.substr(0, tag.find_first_of(" \t\r\n/>"));
     const std::size_t colon = tag.find(':');
     const std::string kind = upper_case(colon == std::string_view::npos ? tag : tag.substr(colon + 1));
-    return contains(all_kinds, kind);
+    return is_ccsds_kind(kind);
   }
   return false;
 }
@@ -509,7 +244,7 @@ bool is_ccsds(std::string_view text) {
 CcsdsFile parse_ccsds(std::string_view text, const std::string& name, CcsdsContent content) {
   const std::string_view unmarked = without_mark(text);
   const std::size_t first = unmarked.find_first_not_of(" \t\r\n");
-  if (first != std::string_view::npos && unmarked[first] == '<') return XmlBuilder(text, name, content).build();
+  if (first != std::string_view::npos && unmarked[first] == '<') return parse_ccsds_xml(text, name, content);
   return parse_kvn(unmarked, name, content);
 }
 

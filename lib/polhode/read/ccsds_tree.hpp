@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "polhode/base/error.hpp"
+
 namespace polhode {
 
 /// `keyword = value [unit]` of a CCSDS message, or an XML element with its `units` attribute.
@@ -47,6 +49,15 @@ struct CcsdsMessage {
 
 /// Which messages are wanted: attitude (APM, AEM, ACM), or trajectories (OEM).
 enum class CcsdsContent { attitude, orbit };
+
+/// Whether a message of this kind is wanted.
+bool is_wanted(std::string_view kind, CcsdsContent content);
+/// Throws InputError unless it is.
+void check_ccsds_kind(std::string_view kind, CcsdsContent content, const SourceLocation& where);
+/// Whether CCSDS has a navigation message of this kind: "APM", "OPM" …
+bool is_ccsds_kind(std::string_view kind);
+/// Capital letters, digits and _.
+bool is_ccsds_keyword(std::string_view word);
 
 /// The wanted messages of a file, and what else a combined message holds.
 struct CcsdsFile {

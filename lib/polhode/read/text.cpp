@@ -62,6 +62,13 @@ std::vector<std::string_view> split_words(std::string_view text) {
   return words;
 }
 
+bool contains_word(std::string_view words, std::string_view word) {
+  for (std::string_view one = take_word(words); !one.empty(); one = take_word(words)) {
+    if (one == word) return true;
+  }
+  return false;
+}
+
 std::string_view take_line(std::string_view& text) {
   const auto end = static_cast<std::size_t>(std::find_if(text.begin(), text.end(), ends_line) - text.begin());
   const std::string_view line = text.substr(0, end);

@@ -28,6 +28,9 @@ std::string_view take_word(std::string_view& text);
 /// The words between white space.
 std::vector<std::string_view> split_words(std::string_view text);
 
+/// Whether `word` is one of the words between white space.
+bool contains_word(std::string_view words, std::string_view word);
+
 /// Takes the next line off `text`, without its end (LF, CR LF or CR).
 std::string_view take_line(std::string_view& text);
 

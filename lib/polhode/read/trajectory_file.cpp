@@ -8,6 +8,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/ccsds_fields.hpp"
+#include "polhode/read/ccsds_rules.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/date_column.hpp"
 #include "polhode/read/text.hpp"
@@ -60,21 +61,12 @@ void append(double t_s, const Vector3& position, const Vector3* velocity, const 
 
 // --- OEM ------------------------------------------------------------------------------------------------------------
 
-constexpr std::array<CcsdsRule, 4> oem_header_rules{
-    {{"CREATION_DATE", true, CcsdsValue::epoch}, {"ORIGINATOR", true}, {"MESSAGE_ID"}, {"CLASSIFICATION"}}};
-constexpr std::array<CcsdsRule, 12> metadata_rules{
-    {{"OBJECT_NAME", true},
-     {"OBJECT_ID", true},
-     {"CENTER_NAME", true},
-     {"REF_FRAME", true},
-     {"REF_FRAME_EPOCH", false, CcsdsValue::epoch},
-     {"TIME_SYSTEM", true},
-     {"START_TIME", true, CcsdsValue::epoch},
-     {"USEABLE_START_TIME", false, CcsdsValue::epoch},
-     {"USEABLE_STOP_TIME", false, CcsdsValue::epoch},
-     {"STOP_TIME", true, CcsdsValue::epoch},
-     {"INTERPOLATION", false, CcsdsValue::text, {}, "HERMITE LINEAR LAGRANGE"},
-     {"INTERPOLATION_DEGREE", false, CcsdsValue::integer}}};
+constexpr auto oem_metadata = std::to_array<CcsdsRule>(
+    {{"OBJECT_NAME OBJECT_ID CENTER_NAME REF_FRAME TIME_SYSTEM", CcsdsUse::required},
+     {"START_TIME STOP_TIME", CcsdsUse::required, CcsdsValue::epoch},
+     {"REF_FRAME_EPOCH USEABLE_START_TIME USEABLE_STOP_TIME", CcsdsUse::optional, CcsdsValue::epoch},
+     {"INTERPOLATION", CcsdsUse::optional, CcsdsValue::text, {}, "HERMITE LINEAR LAGRANGE"},
+     {"INTERPOLATION_DEGREE", CcsdsUse::optional, CcsdsValue::integer}});
 constexpr std::array<std::string_view, 10> row_keywords{"EPOCH", "X",     "Y",      "Z",      "X_DOT",
                                                         "Y_DOT", "Z_DOT", "X_DDOT", "Y_DDOT", "Z_DDOT"};
 
@@ -101,7 +93,7 @@ class OemReader {
       throw InputError({path_, message.header.line},
                        fmt::format("OEM version {}; 1.0, 2.0 and 3.0 can be read", message.version));
     }
-    const CcsdsFields header(message.header, oem_header_rules, "the header of an OEM", path_);
+    const CcsdsFields header(message.header, ccsds_rules::header, "the header of an OEM", path_);
     if (message.segments.empty()) throw InputError({path_, message.header.line}, "the OEM has no segment");
     std::vector<OrbitTable> tables;
     std::string object;
@@ -115,7 +107,7 @@ class OemReader {
 
  private:
   OrbitTable table(const CcsdsSegment& segment, std::string& object) const {
-    const CcsdsFields fields(segment.metadata, metadata_rules, "the metadata of an OEM", path_);
+    const CcsdsFields fields(segment.metadata, oem_metadata, "the metadata of an OEM", path_);
     if (object.empty()) object = fields.normal("OBJECT_ID");
     if (fields.normal("OBJECT_ID") != object) {
       throw InputError(fields.where("OBJECT_ID"),

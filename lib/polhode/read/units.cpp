@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/text.hpp"

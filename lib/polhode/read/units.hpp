@@ -1,15 +1,12 @@
 #pragma once
 
-#include <numbers>
 #include <optional>
 #include <string>
 #include <string_view>
 
-namespace polhode {
+#include "polhode/base/units.hpp"
 
-inline constexpr double degree = std::numbers::pi / 180.0;  ///< in rad
-inline constexpr double hour_s = 3600.0;
-inline constexpr double day_s = 86400.0;
+namespace polhode {
 
 /// Units, wherever a file or an option names one: names joined by blanks, * and /, each perhaps with an exponent behind
 /// it, as m2, m^2 or m**2 ("kg m2", "kg*m**2", "deg/day", "1/s"). The names: deg, rad, arcmin, arcsec, mas, uas, rev,

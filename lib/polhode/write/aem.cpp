@@ -99,13 +99,6 @@ bool in_version_1(AemType type) {
   return type == AemType::quaternion || type == AemType::quaternion_derivative || type == AemType::euler_angle;
 }
 
-/// Rates of the three angles when the body turns with omega_body. Not finite where the sequence is singular.
-Vector3 euler_rates_rad_s(const EulerSequence& sequence, const Vector3& angles_rad, const Vector3& omega_body) {
-  Matrix3 omega_of_rates;  // omega is linear in the rates
-  for (int k = 0; k < 3; ++k) omega_of_rates.col(k) = omega_body_rad_s(sequence, angles_rad, Vector3::Unit(k));
-  return omega_of_rates.inverse() * omega_body;
-}
-
 /// The numbers of a row in the units of the standard.
 void row_numbers(const AemOptions& options, const AttitudeBlock& block, std::size_t row, double* out) {
   const Form& form = form_of(options.type);
