@@ -8,11 +8,11 @@
 #include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
-#include "polhode/read/text.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "polhode/base/error.hpp"
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 
 namespace polhode::tools {
 

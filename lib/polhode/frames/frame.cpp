@@ -6,11 +6,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <initializer_list>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/time/scale.hpp"
 
 namespace polhode {
@@ -40,9 +40,7 @@ constexpr std::array<NamedFrame, 16> frame_names{{{"ICRF", Frame::icrf},
 
 // The frame of that name, if it is inertial or among `others`.
 Frame named_frame(std::string_view text, const char* what, std::initializer_list<Frame> others) {
-  std::string upper(text);
-  std::transform(upper.begin(), upper.end(), upper.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  const std::string upper = upper_case(text);
   for (const NamedFrame& entry : frame_names) {
     const bool allowed =
         is_inertial(entry.frame) || std::find(others.begin(), others.end(), entry.frame) != others.end();

@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/body/euler.hpp"
 #include "polhode/body/spin_solution.hpp"
-#include "polhode/read/text.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {
@@ -81,11 +81,7 @@ std::vector<std::string> csv_header(std::string_view text) {
   constexpr std::size_t longest = 1U << 16U;
   std::string_view rest = without_mark(text);
   std::vector<std::string> names = csv_cells(take_line(rest).substr(0, longest));
-  for (std::string& name : names) {
-    name = upper_case(trimmed(name));
-    std::transform(name.begin(), name.end(), name.begin(),
-                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  }
+  for (std::string& name : names) name = lower_case(trimmed(name));
   return names;
 }
 

@@ -7,11 +7,11 @@
 #include <cmath>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/fits_table.hpp"
 #include "polhode/read/range.hpp"
-#include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
 

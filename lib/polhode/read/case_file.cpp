@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -10,26 +11,13 @@
 #include <system_error>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {
 namespace {
 
-constexpr std::string_view kBlank = " \t\r\f\v";
 constexpr std::string_view kLayout = "`I I1 I2 I3`, `q q0 q1 q2 q3`, `m m1 m2 m3`, `t T`, `T TORQUE`";
-
-std::vector<std::string_view> split(std::string_view line) {
-  std::vector<std::string_view> words;
-  line = line.substr(0, line.find('#'));
-  while (true) {
-    const std::size_t begin = line.find_first_not_of(kBlank);
-    if (begin == std::string_view::npos) return words;
-    line.remove_prefix(begin);
-    const std::string_view word = line.substr(0, line.find_first_of(kBlank));
-    words.push_back(word);
-    line.remove_prefix(word.size());
-  }
-}
 
 /// A finite number, decimal or C99 hexadecimal, the whole word.
 double case_number(std::string_view word, const SourceLocation& where) {
@@ -129,7 +117,7 @@ CaseFile parse_case_file(std::string_view text, const std::string& path) {
   for (std::string_view rest = text; !rest.empty();) {
     ++where.line;
     const std::size_t end = rest.find('\n');
-    const std::vector<std::string_view> words = split(rest.substr(0, end));
+    const std::vector<std::string_view> words = split_words(rest.substr(0, std::min(end, rest.find('#'))));
     rest.remove_prefix(end == std::string_view::npos ? rest.size() : end + 1);
     if (words.empty()) continue;
     const std::string_view key = words[0];

@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_reader.hpp"
 #include "polhode/read/ccsds_rules.hpp"
-#include "polhode/read/text.hpp"
 
 namespace polhode {
 namespace {

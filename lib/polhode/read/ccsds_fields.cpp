@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {

@@ -6,9 +6,9 @@
 #include <algorithm>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_frames.hpp"
 #include "polhode/read/ccsds_rules.hpp"
-#include "polhode/read/text.hpp"
 
 namespace polhode {
 

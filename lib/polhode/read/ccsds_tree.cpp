@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_xml.hpp"
-#include "polhode/read/text.hpp"
 
 namespace polhode {
 namespace {

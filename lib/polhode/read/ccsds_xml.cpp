@@ -7,7 +7,7 @@
 #include <pugixml.hpp>
 
 #include "polhode/base/error.hpp"
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 
 namespace polhode {
 namespace {

@@ -9,7 +9,7 @@
 #include <limits>
 
 #include "polhode/base/error.hpp"
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 
 namespace polhode {
 namespace {

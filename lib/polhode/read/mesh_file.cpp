@@ -10,7 +10,7 @@
 #include <limits>
 
 #include "polhode/base/error.hpp"
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {

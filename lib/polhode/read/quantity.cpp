@@ -8,7 +8,7 @@
 #include <string>
 
 #include "polhode/base/error.hpp"
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {

@@ -5,11 +5,11 @@
 #include <filesystem>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/quantity.hpp"
-#include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/toml_table.hpp"
 #include "polhode/read/torque_table.hpp"

@@ -8,8 +8,8 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/date_column.hpp"
-#include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {

@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 
 namespace polhode {
 

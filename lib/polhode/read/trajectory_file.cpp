@@ -7,11 +7,11 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_fields.hpp"
 #include "polhode/read/ccsds_rules.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/date_column.hpp"
-#include "polhode/read/text.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "polhode/base/error.hpp"
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 
 namespace polhode {
 namespace {

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/time/scale_detail.hpp"
 
 namespace polhode {
@@ -36,15 +37,9 @@ constexpr std::array<NamedScale, 7> scale_names{{{"TT", TimeScale::tt},
 
 constexpr std::string_view scales_allowed = "TT, TAI, UTC, TDB, GPS, ET";
 
-bool same_letters(std::string_view a, std::string_view b) {
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](char x, char y) {
-    return std::toupper(static_cast<unsigned char>(x)) == std::toupper(static_cast<unsigned char>(y));
-  });
-}
-
 std::optional<TimeScale> find_scale(std::string_view name) {
   for (const NamedScale& entry : scale_names) {
-    if (same_letters(entry.name, name)) return entry.scale;
+    if (entry.name == upper_case(name)) return entry.scale;
   }
   return std::nullopt;
 }
@@ -155,12 +150,6 @@ UtcReading read_utc(Instant instant) {
 }
 
 // --- text -------------------------------------------------------------------------------------------------------
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -333,8 +322,8 @@ TimeScale time_scale(std::string_view name) {
 
 Instant parse_date(std::string_view text, TimeScale scale) {
   const std::string_view date = trimmed(text);
-  if (same_letters(date.substr(0, 3), "MJD")) return parse_julian(text, date.substr(3), 0.0, scale);
-  if (same_letters(date.substr(0, 2), "JD")) return parse_julian(text, date.substr(2), mjd_zero, scale);
+  if (upper_case(date.substr(0, 3)) == "MJD") return parse_julian(text, date.substr(3), 0.0, scale);
+  if (upper_case(date.substr(0, 2)) == "JD") return parse_julian(text, date.substr(2), mjd_zero, scale);
   return parse_calendar(date, scale);
 }
 

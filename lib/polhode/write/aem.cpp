@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/write/date_text.hpp"
 #include "polhode/write/document.hpp"
 #include "polhode/write/number_text.hpp"
@@ -343,8 +343,7 @@ class Writer {
 }  // namespace
 
 AemType aem_type(std::string_view name) {
-  std::string upper(name);
-  std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) { return std::toupper(c); });
+  const std::string upper = upper_case(name);
   std::string allowed;
   for (const Form& form : attitude_forms) {
     if (upper == form.name) return form.type;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/text.hpp"
 #include "polhode/write/date_text.hpp"
 #include "polhode/write/document.hpp"
 #include "polhode/write/number_text.hpp"
@@ -88,8 +88,7 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
 void write_text_table(const std::string& path, const Ephemeris& ephemeris, const TextTableOptions& options,
                       const Progress& progress) {
   const TimeGrid& times = ephemeris.times();
-  std::string scale(name(times.scale()));
-  std::transform(scale.begin(), scale.end(), scale.begin(), [](unsigned char c) { return std::tolower(c); });
+  const std::string scale = lower_case(name(times.scale()));
   if (options.kind == TextTableKind::ecsv && (times.scale() == TimeScale::et || times.scale() == TimeScale::gps)) {
     throw InputError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(times.scale())));
   }

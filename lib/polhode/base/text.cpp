@@ -1,4 +1,4 @@
-#include "polhode/read/text.hpp"
+#include "polhode/base/text.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -45,6 +45,14 @@ std::string upper_case(std::string_view text) {
   std::string out(text);
   for (char& c : out) {
     if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  }
+  return out;
+}
+
+std::string lower_case(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) {
+    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   }
   return out;
 }

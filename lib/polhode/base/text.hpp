@@ -19,8 +19,9 @@ std::string_view trimmed(std::string_view text);
 /// Without a byte-order mark.
 std::string_view without_mark(std::string_view text);
 
-/// ASCII letters in upper case.
+/// ASCII letters in upper case; in lower case.
 std::string upper_case(std::string_view text);
+std::string lower_case(std::string_view text);
 
 /// Takes the next word between white space off `text`; empty if none is left.
 std::string_view take_word(std::string_view& text);
