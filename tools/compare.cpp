@@ -117,7 +117,10 @@ void add_compare(CLI::App& app) {
   command->footer(
       "Examples:\n  polhode compare ours.fits theirs.aem --tolerance \"10 mas\"\n"
       "  polhode compare theirs.aem toutatis.toml --json");
-  command->add_option("A", options->first, "an ephemeris (AEM, ACM, FITS, CSV, ECSV) or a body file")->required();
+  command
+      ->add_option("A", options->first,
+                   fmt::format("an ephemeris ({}) or a file that `info` reads", names_of_histories()))
+      ->required();
   command->add_option("B", options->second, "the same; at least one is an ephemeris, A's times are used if A is one")
       ->required();
   command->add_option("--tolerance", options->tolerance,

@@ -318,11 +318,7 @@ void add_info(CLI::App& app) {
       "  polhode info --json data/bodies/*.toml\n"
       "  polhode info ephemeris.fits\n"
       "  polhode info asteroid_models.csv#1234");
-  command
-      ->add_option("FILE", options->files,
-                   "body files (TOML), CCSDS messages (APM, AEM, ACM), tables of attitudes (FITS, CSV, ECSV), DAMIT's "
-                   "spin.txt, shape.txt and tables (FILE#ID), SHAPE models, meshes (OBJ, PLY, STL)")
-      ->required();
+  command->add_option("FILE", options->files, "files of one of these kinds: " + names_of_input_formats())->required();
   command->add_flag("--json", options->as_json, "a JSON list, one object for each file");
   command->callback([options] {
     Page page;

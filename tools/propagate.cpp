@@ -360,7 +360,9 @@ void add_propagate(CLI::App& app) {
       "  polhode propagate toutatis.toml -o points.ecsv --times observations.csv --scale UTC\n"
       "  polhode propagate envisat-month.toml -o envisat.aem");
   command
-      ->add_option("FILE", options->body_file, "Body file, scene file, or attitude history (AEM, ACM, FITS, CSV, ECSV)")
+      ->add_option("FILE", options->body_file,
+                   fmt::format("Body, scene, or attitude history ({}); `info --help` lists the kinds of file",
+                               names_of_histories()))
       ->required();
   command
       ->add_option("-o,--output", options->output.path,

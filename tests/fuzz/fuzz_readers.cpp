@@ -1,25 +1,22 @@
 // A libFuzzer target for each reader, chosen by the environment's POLHODE_FUZZ: any input is read or refused with
 // InputError, nothing else. Nothing is read from disk: files that the input names have a fixed content.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "polhode/base/error.hpp"
-#include "polhode/body/mesh_inertia.hpp"
 #include "polhode/ephemeris/resample.hpp"
-#include "polhode/read/asteroid_files.hpp"
-#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
-#include "polhode/read/body_file.hpp"
 #include "polhode/read/case_file.hpp"
-#include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/leap_seconds_file.hpp"
-#include "polhode/read/mesh_file.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/read/time_list.hpp"
 
@@ -47,28 +44,9 @@ void use(const std::optional<AttitudeHistory>& history) {
   }
 }
 
-void read_ccsds(const std::string& text) {
-  for (const CcsdsAttitudeMessage& message : parse_ccsds_attitude(text, "fuzz")) use(message.history);
-}
-
-void read_asteroid(const std::string& text) {
-  if (is_damit_table(text)) {
-    parse_damit_table(text, "fuzz", "");
-  } else if (is_damit_spin(text)) {
-    parse_damit_spin(text, "fuzz");
-  } else {
-    parse_shape_model(text, "fuzz");
-  }
-}
-
-using Reader = void (*)(const std::string&);
+using Reader = std::function<void(const std::string&)>;
 
 const std::map<std::string_view, Reader> readers{
-    {"ccsds", read_ccsds},
-    {"asteroid", read_asteroid},
-    {"mesh", [](const std::string& text) { mass_properties(read_mesh(text, "fuzz")); }},
-    {"body", [](const std::string& text) { parse_body_file(text, "fuzz", content_of); }},
-    {"attitude", [](const std::string& text) { use(parse_attitude_history(text, "fuzz")); }},
     {"case", [](const std::string& text) { parse_case_file(text, "fuzz"); }},
     {"scene", [](const std::string& text) { parse_scene(text, "fuzz", content_of); }},
     {"leap_seconds", [](const std::string& text) { set_leap_seconds(parse_leap_seconds(text, "fuzz")); }},
@@ -77,11 +55,28 @@ const std::map<std::string_view, Reader> readers{
     {"any", [](const std::string& text) { read_body("fuzz", [&text](const std::string&) { return text; }); }},
 };
 
+/// Reads the text as one of the formats with samples in this folder: the first that recognises it, else the last.
+Reader reader_of(std::string_view folder) {
+  std::vector<InputFormat> formats;
+  for (const InputFormat& format : input_formats()) {
+    if (format.samples == folder) formats.push_back(format);
+  }
+  if (formats.empty()) return {};
+  return [formats](const std::string& text) {
+    static const RowOfFile place("fuzz");
+    const auto found =
+        std::find_if(formats.begin(), formats.end(), [&](const InputFormat& f) { return f.recognises(text); });
+    use((found == formats.end() ? formats.back() : *found).read(text, place, content_of).history);
+  };
+}
+
 Reader chosen_reader() {
-  const char* name = std::getenv("POLHODE_FUZZ");
-  const auto found = readers.find(name == nullptr ? "" : name);
+  const char* variable = std::getenv("POLHODE_FUZZ");
+  const std::string name = variable == nullptr ? "" : variable;
+  const auto found = readers.find(name);
   if (found != readers.end()) return found->second;
-  std::fputs("POLHODE_FUZZ must be one of:", stderr);
+  if (Reader reader = reader_of(name)) return reader;
+  std::fputs("POLHODE_FUZZ must be a folder of data/ with samples of a format, or one of:", stderr);
   for (const auto& [known, reader] : readers) std::fprintf(stderr, " %s", std::string(known).c_str());
   std::fputs("\n", stderr);
   std::exit(2);

@@ -13,7 +13,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/ephemeris/attitude_history.hpp"
 #include "polhode/ephemeris/resample.hpp"
-#include "polhode/read/attitude_history_file.hpp"
+#include "polhode/read/body.hpp"
 #include "polhode/read/ccsds_attitude.hpp"
 #include "polhode/read/text_file.hpp"
 

@@ -8,11 +8,8 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
-#include "polhode/read/ccsds_attitude.hpp"
-#include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/fits_table.hpp"
 #include "polhode/read/range.hpp"
-#include "polhode/read/text_file.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {
@@ -295,32 +292,25 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
 
 bool is_attitude_table(std::string_view text) { return is_fits(text) || is_text_table(text); }
 
-std::optional<AttitudeHistory> take_history(std::vector<CcsdsAttitudeMessage>& messages, const std::string& name) {
-  std::optional<AttitudeHistory> first;
-  for (CcsdsAttitudeMessage& message : messages) {
-    if (!message.history) continue;
-    if (!first) {
-      first = std::move(message.history);
-    } else {
-      first->warnings.push_back(
-          fmt::format("{}: a further attitude history, of {}; the first is used", name, message.body.name));
-    }
+BodyAndHistory read_attitude_table(const std::string& text, const RowOfFile& place, const ContentOf&) {
+  const std::string& path = place.file;
+  AttitudeHistory history = is_fits(text) ? parse_fits(text, path) : parse_text_table(text, path);
+  const AttitudeSegment& segment = history.segments.front();
+  const AttitudeSample& row = segment.samples.front();
+  Body body;
+  body.name = history.object.empty() ? path : history.object;
+  body.id = history.object_id;
+  body.source = history.source;
+  body.warnings = history.warnings;
+  if (segment.known_frame) {
+    body.state = SpinState{row.time, history.scale, *segment.known_frame, row.q_frame_from_body, row.omega_body_rad_s};
+  } else {
+    body.missing.push_back("an attitude in an inertial frame (" + segment.frame + " is given)");
   }
-  return first;
-}
-
-std::optional<AttitudeHistory> parse_attitude_history(std::string_view content, const std::string& name) {
-  if (is_fits(content)) return parse_fits(content, name);
-  if (is_ccsds(content)) {
-    std::vector<CcsdsAttitudeMessage> messages = parse_ccsds_attitude(content, name);
-    return take_history(messages, name);
-  }
-  if (is_text_table(content)) return parse_text_table(content, name);
-  return std::nullopt;
-}
-
-std::optional<AttitudeHistory> read_attitude_history(const std::string& path) {
-  return parse_attitude_history(read_text_file(path), path);
+  if (!row.omega_body_rad_s) body.missing.emplace_back("an angular velocity");
+  body.inertia = history.inertia;
+  if (!body.inertia) body.missing.emplace_back("an inertia");
+  return {std::move(body), std::move(history), true};
 }
 
 }  // namespace polhode

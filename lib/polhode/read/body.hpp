@@ -3,9 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "polhode/body/body.hpp"
-#include "polhode/ephemeris/attitude_history.hpp"
-#include "polhode/read/text_file.hpp"
+#include "polhode/read/input_formats.hpp"
 
 namespace polhode {
 
@@ -13,22 +11,16 @@ namespace polhode {
 /// file and line, FileError if it cannot be read.
 Body read_body(const std::string& path, const ContentOf& content_of = read_text_file);
 
-/// The same with the attitude history of the file, if it has one (read/attitude_history_file.hpp).
-struct BodyAndHistory {
-  Body body;
-  std::optional<AttitudeHistory> history;
-  bool is_table = false;  ///< of attitudes: the body is what its header and its first row say
-};
+/// The same with the attitude history of the file.
 BodyAndHistory read_body_and_history(const std::string& path, const ContentOf& content_of = read_text_file);
-
-/// FILE#ROW names a row of a table, where there is no file that is called so.
-struct RowOfFile {
-  explicit RowOfFile(const std::string& path);
-  std::string file;
-  std::string row;
-};
 
 /// As read_body_and_history, from memory; `content_of` opens the files that this one names.
 BodyAndHistory parse_body_and_history(const std::string& text, const RowOfFile& place, const ContentOf& content_of);
+
+/// The attitude history in a file, or nothing if its format has none.
+std::optional<AttitudeHistory> read_attitude_history(const std::string& path);
+
+/// The same from memory; `name` stands for the file in messages.
+std::optional<AttitudeHistory> parse_attitude_history(const std::string& text, const std::string& name);
 
 }  // namespace polhode

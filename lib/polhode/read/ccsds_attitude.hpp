@@ -7,6 +7,7 @@
 
 #include "polhode/body/body.hpp"
 #include "polhode/ephemeris/attitude_history.hpp"
+#include "polhode/read/input_formats.hpp"
 
 namespace polhode {
 
@@ -33,5 +34,8 @@ struct CcsdsAttitudeMessage {
 /// and units that are not allowed, blocks out of order, times that do not increase, and so on. Reads with a warning
 /// what real files do against it without doubt in the meaning. What is not needed is checked and left out with a note.
 std::vector<CcsdsAttitudeMessage> parse_ccsds_attitude(std::string_view text, const std::string& name);
+
+/// Of several messages the body of the one that lacks least, the first of them, and the first attitude history.
+BodyAndHistory read_ccsds_attitude(const std::string& text, const RowOfFile& place, const ContentOf& content_of);
 
 }  // namespace polhode

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include "polhode/base/error.hpp"
@@ -404,6 +405,22 @@ TriangleMesh read_mesh(std::string_view content, const std::string& name) {
     throw InputError(name + ": no facets found; known meshes are OBJ, PLY, STL and DAMIT's shape.txt");
   }
   return mesh;
+}
+
+Body body_of_mesh(std::string_view content, const std::string& path) {
+  Body body;
+  body.name = std::filesystem::path(path).stem().string();
+  body.source = "shape model, uniform density";
+  const TriangleMesh mesh = read_mesh(content, path);
+  try {
+    const MassProperties solid = mass_properties(mesh);
+    body.inertia = inertia_from_tensor(Matrix3(solid.inertia_about_centre / solid.volume), false);
+    body.notes.push_back(describe(solid));
+  } catch (const InputError& error) {
+    throw InputError({path, 0}, error.what());
+  }
+  body.missing = {"an attitude", "an angular velocity"};
+  return body;
 }
 
 TriangleMesh read_mesh_file(const std::string& path) { return read_mesh(read_text_file(path), path); }

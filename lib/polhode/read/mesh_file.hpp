@@ -3,6 +3,7 @@
 #include <string>
 #include <string_view>
 
+#include "polhode/body/body.hpp"
 #include "polhode/body/mesh_inertia.hpp"
 
 namespace polhode {
@@ -18,5 +19,8 @@ bool is_mesh(std::string_view content);
 
 /// The same from memory; `name` stands for the file in messages.
 TriangleMesh read_mesh(std::string_view content, const std::string& name);
+
+/// A shape alone: ratios of inertia at uniform density, no state.
+Body body_of_mesh(std::string_view content, const std::string& path);
 
 }  // namespace polhode

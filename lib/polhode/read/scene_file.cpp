@@ -6,9 +6,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
-#include "polhode/read/attitude_history_file.hpp"
 #include "polhode/read/body.hpp"
-#include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/toml_table.hpp"
@@ -107,11 +105,11 @@ std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path) 
 }
 
 Scene parse_scene(std::string_view content, const std::string& path, const ContentOf& content_of) {
-  const std::string whole(content);
   constexpr const char* no_scene =
       "is no scene, but a body or an attitude history: `polhode info` says what it holds; a scene names it, body = "
       "\"…\"";
-  if (is_ccsds(whole) || is_attitude_table(whole)) throw InputError({path, 0}, no_scene);
+  if (const InputFormat* format = input_format_of(content); format != nullptr && !format->histories.empty())
+    throw InputError({path, 0}, no_scene);
   const TomlTable root = TomlTable::parse(content, path);
   if (root.has("inertia") || root.has("state") || root.has("spin")) throw InputError({path, 0}, no_scene);
   root.allow_only(
