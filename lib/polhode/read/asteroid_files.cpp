@@ -13,6 +13,7 @@
 #include "polhode/base/text.hpp"
 #include "polhode/body/euler.hpp"
 #include "polhode/body/spin_solution.hpp"
+#include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {
@@ -57,31 +58,8 @@ std::vector<Line> lines_of(std::string_view text, std::size_t most) {
   return lines;
 }
 
-/// Cells of a CSV line; a cell in quotes may hold commas, and quotes doubled.
-std::vector<std::string> csv_cells(std::string_view line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"' && quoted && i + 1 < line.size() && line[i + 1] == '"') {
-      cells.back() += '"';
-      ++i;
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  return cells;
-}
-
-std::vector<std::string> csv_header(std::string_view text) {
-  constexpr std::size_t longest = 1U << 16U;
-  std::string_view rest = without_mark(text);
-  std::vector<std::string> names = csv_cells(take_line(rest).substr(0, longest));
-  for (std::string& name : names) name = lower_case(trimmed(name));
+std::vector<std::string> lower_cased(std::vector<std::string> names) {
+  for (std::string& name : names) name = lower_case(name);
   return names;
 }
 
@@ -204,12 +182,16 @@ Body parse_damit_spin(std::string_view text, const std::string& path) {
 }
 
 bool is_damit_table(std::string_view text) {
-  const std::vector<std::string> names = csv_header(text);
-  return has_all(names, {"lambda", "beta", "jd0"});
+  constexpr std::size_t longest = 1U << 16U;
+  std::string_view rest = without_mark(text);
+  std::vector<std::string> names;
+  split_cells(take_line(rest).substr(0, longest), true, names);
+  return has_all(lower_cased(names), {"lambda", "beta", "jd0"});
 }
 
 Body parse_damit_table(std::string_view text, const std::string& path, const std::string& row) {
-  const std::vector<std::string> names = csv_header(text);
+  TextTable table(text, path);
+  const std::vector<std::string> names = lower_cased(table.names());
   constexpr std::array<std::string_view, 6> of_tumblers{"psi0", "p_phi", "p_psi", "i1", "i2", "i3"};
   const bool tumbler = std::any_of(of_tumblers.begin(), of_tumblers.end(),
                                    [&](std::string_view name) { return has_all(names, {name}); });
@@ -221,9 +203,8 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
     for (const std::string& name : names) {
       if (std::find(known.begin(), known.end(), name) == known.end() &&
           std::find(bookkeeping.begin(), bookkeeping.end(), name) == bookkeeping.end()) {
-        throw InputError({path, 1},
-                         fmt::format("the column '{}' of a table of tumblers is unknown; known are {} and {}", name,
-                                     fmt::join(known, ", "), fmt::join(bookkeeping, ", ")));
+        throw table.error(fmt::format("the column '{}' of a table of tumblers is unknown; known are {} and {}", name,
+                                      fmt::join(known, ", "), fmt::join(bookkeeping, ", ")));
       }
     }
   }
@@ -231,28 +212,20 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
       tumbler ? std::vector<std::string_view>{"lambda", "beta", "phi0", "psi0", "p_phi", "p_psi", "i1", "i2", "jd0"}
               : std::vector<std::string_view>{"lambda", "beta", "period", "phi0", "jd0"};
   for (const std::string_view name : wanted) {
-    if (!has_all(names, {name})) throw InputError({path, 1}, fmt::format("the column '{}' is missing", name));
+    if (!has_all(names, {name})) throw table.error(fmt::format("the column '{}' is missing", name));
   }
   // The row asked for, or the only one.
   std::map<std::string, std::string> cells;
   std::size_t found_line = 0;
   std::size_t rows = 0;
-  std::string_view rest = without_mark(text);
-  take_line(rest);
-  for (std::size_t line = 2; !rest.empty(); ++line) {
-    const std::string_view content = take_line(rest);
-    if (trimmed(content).empty()) continue;
-    const std::vector<std::string> values = csv_cells(content);
-    if (values.size() != names.size()) {
-      throw InputError({path, line}, fmt::format("{} cells; the first line has {}", values.size(), names.size()));
-    }
+  while (table.next()) {
     ++rows;
     std::map<std::string, std::string> candidate;
-    for (std::size_t i = 0; i < names.size(); ++i) candidate[names[i]] = values[i];
-    if (!row.empty() && trimmed(candidate["id"]) != row) continue;
-    if (found_line != 0) throw InputError({path, line}, "the table has several models; name one by its id, as FILE#ID");
+    for (std::size_t i = 0; i < names.size(); ++i) candidate[names[i]] = table.cell(i);
+    if (!row.empty() && candidate["id"] != row) continue;
+    if (found_line != 0) throw table.error("the table has several models; name one by its id, as FILE#ID");
     cells = std::move(candidate);
-    found_line = line;
+    found_line = table.here().line;
   }
   if (found_line == 0) {
     throw InputError(
@@ -267,14 +240,14 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
   spin.epoch = julian_date(cells.at("jd0"), at, TimeScale::tdb);
   if (std::abs(spin.latitude_deg) > 90.0) throw InputError(at, "beta is from -90 to 90 deg");
   Body body;
-  body.name = cells.contains("id") ? "DAMIT model " + std::string(trimmed(cells["id"])) : path;
+  body.name = cells.contains("id") ? "DAMIT model " + cells["id"] : path;
   body.source = tumbler ? "DAMIT, table of tumblers" : "DAMIT, table of models";
   body.warnings.emplace_back("frame assumed: ecliptic of J2000; epoch scale assumed: TDB");
   if (!tumbler) {
     spin.rotation_period_s = hour_s * number("period");
     if (!(spin.rotation_period_s > 0.0)) throw InputError(at, "the period must be positive");
     set_principal_axis_state(body, spin);
-    if (cells.contains("yorp") && !trimmed(cells["yorp"]).empty() && number("yorp") != 0.0) {
+    if (cells.contains("yorp") && !cells["yorp"].empty() && number("yorp") != 0.0) {
       body.warnings.push_back(
           fmt::format("the change of the rate by YORP ({} rad/day^2) is not part of a free rotation", cells["yorp"]));
     }

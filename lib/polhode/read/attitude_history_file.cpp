@@ -10,6 +10,7 @@
 #include "polhode/base/text.hpp"
 #include "polhode/read/fits_table.hpp"
 #include "polhode/read/range.hpp"
+#include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {
@@ -120,23 +121,21 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   const auto q = table.column("QPARAM", 4);
   const auto omega = table.column("OMEGA", 3);
   if (!time || !q) throw fail("the table ATTITUDE has no column TIME or QPARAM");
-  const bool days = time->unit == "d" || time->unit == "day";
-  if (!days && time->unit != "s" && !time->unit.empty())
-    throw fail(fmt::format("TIME is in '{:.20}'; s and d can be read", time->unit));
-  double rate_factor = 1.0;
-  if (omega) {
+  const auto factor = [&fail](const auto& column, const char* name, const char* usual, const auto& of_unit) {
     try {
-      rate_factor = angular_velocity_unit_rad_s(omega->unit.empty() ? "rad/s" : omega->unit);
+      return of_unit(column.unit.empty() ? usual : column.unit);
     } catch (const InputError& error) {
-      throw fail(std::string("OMEGA: ") + error.what());
+      throw fail(fmt::format("{}: {}", name, error.what()));
     }
-  }
+  };
+  const double time_s = factor(*time, "TIME", "s", duration_unit_s);
+  const double rate_factor = omega ? factor(*omega, "OMEGA", "rad/s", angular_velocity_unit_rad_s) : 1.0;
   const Instant zero =
       Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
   AttitudeSegment segment;
   segment.body = table.text("REFFRAMB").value_or("BODY");
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    const double seconds = days ? time->values[row] * 86400.0 : time->values[row];
+    const double seconds = time_s * time->values[row];
     if (!(std::abs(seconds) < 1e12)) throw fail(fmt::format("row {}: TIME is out of range", row + 1));
     const Instant elapsed = zero + Seconds{seconds, low ? low->values[row] : 0.0};
     const double* v = q->values.data() + 4 * row;
@@ -153,136 +152,61 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
 
 // --- Text -----------------------------------------------------------------------------------------------------------
 
-constexpr std::string_view date_column_prefix = "date_";
-
-/// The line of column names: the first that is no comment.
-std::string_view column_line(std::string_view& text, std::size_t& line) {
-  while (!text.empty()) {
-    const std::string_view content = take_line(text);
-    ++line;
-    if (!content.starts_with('#')) return content;
-  }
-  return {};
-}
+constexpr std::string_view date_prefix = "date_";
 
 bool is_text_table(std::string_view text) {
-  std::size_t line = 0;
-  return text.substr(0, 1 << 16).find(date_column_prefix) != std::string_view::npos &&
-         column_line(text, line).starts_with(date_column_prefix);
-}
-
-/// What stands before the closing quote of a YAML scalar in double quotes; a backslash takes the next character as it
-/// is.
-std::string yaml_quoted_value(std::string_view text) {
-  std::string value;
-  for (std::size_t i = 0; i < text.size() && text[i] != '"' && text[i] != '\n'; ++i) {
-    if (text[i] == '\\' && i + 1 < text.size()) ++i;
-    value += text[i];
-  }
-  return value;
-}
-
-/// The cells between commas; one in quotes may hold commas, and keeps its quotes.
-std::vector<std::string_view> cells_of(std::string_view line) {
-  std::vector<std::string_view> cells;
-  for (std::size_t at = 0; at <= line.size();) {
-    std::size_t end = std::min(line.find(',', at), line.size());
-    if (at < line.size() && line[at] == '"') {
-      const auto is_open = [&] {
-        const std::string_view cell = line.substr(at, end - at);
-        return std::count(cell.begin(), cell.end(), '"') % 2 != 0;
-      };
-      while (end < line.size() && is_open()) end = std::min(line.find(',', end + 1), line.size());
-    }
-    cells.push_back(trimmed(line.substr(at, end - at)));
-    at = end + 1;
-  }
-  return cells;
-}
-
-/// The text of a cell: without its quotes, of doubled ones one.
-std::string cell_text(std::string_view cell) {
-  if (cell.size() < 2 || cell.front() != '"' || cell.back() != '"') return std::string(cell);
-  std::string text;
-  for (std::size_t i = 1; i + 1 < cell.size(); ++i) {
-    text += cell[i];
-    if (cell[i] == '"') ++i;
-  }
-  return text;
+  if (text.substr(0, 1 << 16).find(date_prefix) == std::string_view::npos) return false;
+  while (text.starts_with('#')) take_line(text);
+  return text.starts_with(date_prefix);
 }
 
 AttitudeHistory parse_text_table(std::string_view text, const std::string& path) {
+  TextTable table(text, path);
   AttitudeHistory history;
   history.source = "table of text";
-  // "# - {frame_a: "ICRF"}" of an ECSV header.
-  const auto meta = [text](std::string_view key) {
-    const std::string begin = fmt::format("# - {{{}: \"", key);
-    const std::size_t at = text.find(begin);
-    if (at == std::string_view::npos) return std::string();
-    return yaml_quoted_value(text.substr(at + begin.size()));
-  };
-  history.object = meta("object");
-  history.object_id = meta("object_id");
-  std::string frame_name = meta("frame_a");
-  std::size_t line = 0;
-  const std::vector<std::string_view> names = cells_of(column_line(text, line));
+  history.object = table.header().entry("object");
+  history.object_id = table.header().entry("object_id");
+  std::string frame_name(table.header().entry("frame_a"));
+  const std::size_t columns = table.names().size();
   try {
-    history.scale = time_scale(names[0].substr(date_column_prefix.size()));
+    history.scale = time_scale(table.names()[0].substr(date_prefix.size()));
   } catch (const InputError& error) {
-    throw InputError({path, line}, error.what());
+    throw table.error(error.what());
   }
-  const auto index = [&names](std::string_view name) {
-    return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-  };
-  const std::array<std::size_t, 7> at{index("q_scalar"),
-                                      index("q_x"),
-                                      index("q_y"),
-                                      index("q_z"),
-                                      index("omega_body_x_rad_s"),
-                                      index("omega_body_y_rad_s"),
-                                      index("omega_body_z_rad_s")};
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (at[k] == names.size()) throw InputError({path, line}, "the columns q_x, q_y, q_z, q_scalar are wanted");
-  }
-  const bool rates = std::all_of(at.begin() + 4, at.end(), [&](std::size_t i) { return i < names.size(); });
-  const std::size_t frame_at = index("frame");
-  if (frame_name.empty() && frame_at == names.size()) {
+  const std::array<std::size_t, 4> q{table.column("q_scalar"), table.column("q_x"), table.column("q_y"),
+                                     table.column("q_z")};
+  const std::array<std::size_t, 3> omega{table.column("omega_body_x_rad_s"), table.column("omega_body_y_rad_s"),
+                                         table.column("omega_body_z_rad_s")};
+  const auto all = [columns](const auto& list) { return *std::max_element(list.begin(), list.end()) < columns; };
+  if (!all(q)) throw table.error("the columns q_x, q_y, q_z, q_scalar are wanted");
+  const bool rates = all(omega);
+  const std::size_t frame_at = table.column("frame");
+  if (frame_name.empty() && frame_at == columns) {
     frame_name = "ICRF";
     history.warnings.push_back(path + ": the table has no column frame; ICRF is assumed");
   }
   AttitudeSegment segment;
   segment.body = "BODY";
-  while (!text.empty()) {
-    const std::vector<std::string_view> cells = cells_of(take_line(text));
-    ++line;
-    if (cells.size() == 1 && cells[0].empty()) continue;
-    const SourceLocation here{path, line};
-    if (cells.size() != names.size())
-      throw InputError(here, fmt::format("{} cells; {} are wanted", cells.size(), names.size()));
-    std::array<double, 7> v{};
-    for (std::size_t k = 0; k < (rates ? 7U : 4U); ++k) {
-      const std::optional<double> value = parse_number(cells[at[k]]);
-      if (!value) throw InputError(here, fmt::format("'{}' is not a number", cells[at[k]]));
-      v[k] = *value;
-    }
-    if (frame_at < names.size()) {
-      const std::string here_frame = cell_text(cells[frame_at]);
+  while (table.next()) {
+    AttitudeSample sample;
+    sample.q_frame_from_body =
+        Quaternion(table.number(q[0]), table.number(q[1]), table.number(q[2]), table.number(q[3]));
+    if (rates)
+      sample.omega_body_rad_s = Vector3(table.number(omega[0]), table.number(omega[1]), table.number(omega[2]));
+    if (frame_at < columns) {
+      const std::string& here_frame = table.cell(frame_at);
       if (frame_name.empty()) frame_name = here_frame;
       if (here_frame.empty() || here_frame != frame_name) {
-        throw InputError(here,
-                         fmt::format("the frame is '{:.40}', after '{:.40}'; a table has one frame, which is named",
-                                     here_frame, frame_name));
+        throw table.error(fmt::format("the frame is '{:.40}', after '{:.40}'; a table has one frame, which is named",
+                                      here_frame, frame_name));
       }
     }
-    AttitudeSample sample;
     try {
-      sample.time = parse_date(cells[0], history.scale);
+      sample.time = parse_date(table.cell(0), history.scale);
     } catch (const InputError& error) {
-      throw InputError(here, error.what());
+      throw table.error(error.what());
     }
-    sample.q_frame_from_body = Quaternion(v[0], v[1], v[2], v[3]);
-    if (rates) sample.omega_body_rad_s = Vector3(v[4], v[5], v[6]);
-    add_row(segment, sample, here);
+    add_row(segment, sample, table.here());
   }
   finish(history, std::move(segment), frame_name, path);
   return history;

@@ -2,103 +2,22 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <string>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
 
 namespace polhode {
-
-std::vector<std::string_view> table_cells(std::string_view line, bool comma) {
-  const auto is_blank = [](char c) { return c == ' ' || (c >= '\t' && c <= '\r'); };
-  std::vector<std::string_view> cells;
-  std::string_view rest = trimmed(line);
-  bool more = comma || !rest.empty();
-  while (more) {
-    std::size_t end = 0;
-    bool quoted = false;
-    while (end < rest.size() && (quoted || !(comma ? rest[end] == ',' : is_blank(rest[end])))) {
-      if (rest[end] == '"') quoted = !quoted;
-      ++end;
-    }
-    if (quoted) end = std::min(comma ? rest.find(',') : rest.find_first_of(" \t"), rest.size());  // never closed
-    std::string_view cell = trimmed(rest.substr(0, end));
-    if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
-    cells.push_back(cell);
-    more = end < rest.size();
-    rest.remove_prefix(std::min(end + 1, rest.size()));
-    if (!comma) rest = trimmed(rest);
-  }
-  return cells;
-}
-
 namespace {
 
-/// "time" of "!astropy.table.SerializedColumn {name: time}".
-std::string column_name(std::string_view value) {
-  constexpr std::string_view key = "name: ";
-  const std::size_t at = value.find(key);
-  if (at == std::string_view::npos) return {};
-  std::string_view name = trimmed(value.substr(at + key.size(), value.rfind('}') - at - key.size()));
-  if (name.size() > 1 && (name.front() == '\'' || name.front() == '"') && name.back() == name.front()) {
-    name = name.substr(1, name.size() - 2);
-  }
-  return std::string(name);
-}
-
 /// A decimal number without an exponent, as dates have it.
-std::string without_exponent(std::string_view cell) {
+std::string without_exponent(const std::string& cell) {
   const std::optional<double> number = parse_number(cell);
-  if (!number || cell.find_first_of("eE") == std::string_view::npos) return std::string(cell);
+  if (!number || cell.find_first_of("eE") == std::string::npos) return cell;
   return fmt::format("{:.20f}", *number);
 }
 
 }  // namespace
-
-void EcsvTime::take(std::string_view comment) {
-  const std::size_t colon = comment.find(':');
-  if (colon == std::string_view::npos) return;
-  const std::string_view key = comment.substr(0, colon), value = trimmed(comment.substr(colon + 1));
-  if (key == "__class__") {
-    inside_ = !found() && value == "astropy.time.core.Time";
-    if (inside_) name_ = last_key_;
-  } else if (value.empty()) {
-    last_key_ = key;
-    inside_ = false;
-  } else if (inside_) {
-    if (key == "format") format_ = value;
-    if (key == "scale") scale_ = value;
-    if (key == "value") value_ = column_name(value);
-    if (key == "jd1") jd1_ = column_name(value);
-    if (key == "jd2") jd2_ = column_name(value);
-  }
-}
-
-std::vector<std::string> EcsvTime::columns() const {
-  if (!jd1_.empty() && !jd2_.empty()) return {jd1_, jd2_};
-  return {value_.empty() ? name_ : value_};
-}
-
-Instant EcsvTime::date(std::string_view first, std::string_view second) const {
-  const TimeScale scale = time_scale(scale_);
-  if (!jd1_.empty() && !jd2_.empty()) {
-    return parse_date(fmt::format("JD {} {}", without_exponent(first), without_exponent(second)), scale);
-  }
-  if (format_ == "jd" || format_ == "mjd") {
-    return parse_date(fmt::format("{} {}", upper_case(format_), without_exponent(first)), scale);
-  }
-  if (format_ == "isot" || format_ == "iso" || format_ == "fits" || format_ == "datetime") {
-    return parse_date(first, scale);
-  }
-  throw InputError(fmt::format("the times of column {} are of astropy's format {:.20}; isot, iso, jd and mjd are read",
-                               columns().front(), format_));
-}
-
-std::string_view scale_in_ecsv_header(std::string_view comment) {
-  return comment.starts_with("scale:") ? trimmed(comment.substr(6)) : std::string_view();
-}
 
 DateReader date_column(std::string_view name, std::string_view header_scale) {
   struct Kind {
@@ -118,6 +37,50 @@ DateReader date_column(std::string_view name, std::string_view header_scale) {
     throw InputError("the header says no scale of the column time; date_tdb names one");
   }
   return [scale = time_scale(header_scale)](std::string_view cell) { return parse_date(cell, scale); };
+}
+
+std::optional<DateColumn> DateColumn::in(const TextTable& table) {
+  DateColumn out;
+  const std::size_t columns = table.names().size();
+  const EcsvHeader::Time& time = table.header().time();
+  if (!time.format.empty()) {
+    out.time_ = time;
+    const bool two = !time.jd1.empty() && !time.jd2.empty();
+    out.first_ = table.column(two ? time.jd1 : time.value.empty() ? time.name : time.value);
+    out.second_ = two ? table.column(time.jd2) : out.first_;
+    if (out.first_ < columns && out.second_ < columns) return out;
+  }
+  for (out.first_ = 0; out.first_ < columns; ++out.first_) {
+    try {
+      out.read_ = date_column(table.names()[out.first_], table.header().scale());
+    } catch (const InputError& error) {
+      throw table.error(error.what());
+    }
+    out.second_ = out.first_;
+    if (out.read_) return out;
+  }
+  return std::nullopt;
+}
+
+Instant DateColumn::date(const TextTable& table) const {
+  try {
+    return read_ ? read_(table.cell(first_)) : date(table.cell(first_), table.cell(second_));
+  } catch (const InputError& error) {
+    throw table.error(error.what());
+  }
+}
+
+Instant DateColumn::date(const std::string& first, const std::string& second) const {
+  const TimeScale scale = time_scale(time_.scale);
+  if (first_ != second_) {
+    return parse_date(fmt::format("JD {} {}", without_exponent(first), without_exponent(second)), scale);
+  }
+  if (time_.format == "jd" || time_.format == "mjd") {
+    return parse_date(fmt::format("{} {}", upper_case(time_.format), without_exponent(first)), scale);
+  }
+  if (contains_word("isot iso fits datetime", time_.format)) return parse_date(first, scale);
+  throw InputError(fmt::format("the times of column {} are of astropy's format {:.20}; isot, iso, jd and mjd are read",
+                               time_.value.empty() ? time_.name : time_.value, time_.format));
 }
 
 }  // namespace polhode

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -14,50 +13,6 @@
 
 namespace polhode {
 namespace {
-
-/// The columns of dates of a table, whose line of names this is; nothing if it is not one.
-struct DateColumn {
-  DateReader read;  // of a column that says its scale itself
-  EcsvTime ecsv;    // else
-  bool comma = false;
-  std::size_t cells = 0;
-  std::size_t index = 0;
-  std::size_t second = 0;  // of two columns whose sum counts; else `index`
-
-  static std::optional<DateColumn> of(std::string_view names_line, const EcsvTime& ecsv,
-                                      std::string_view header_scale) {
-    DateColumn out;
-    out.comma = names_line.find(',') != std::string_view::npos;
-    const std::vector<std::string_view> names = table_cells(names_line, out.comma);
-    out.cells = names.size();
-    if (ecsv.found()) {
-      const std::vector<std::string> wanted = ecsv.columns();
-      const auto place = [&](const std::string& name) {
-        return static_cast<std::size_t>(std::find(names.begin(), names.end(), name) - names.begin());
-      };
-      out.ecsv = ecsv;
-      out.index = place(wanted.front());
-      out.second = place(wanted.back());
-      if (out.index < out.cells && out.second < out.cells) return out;
-    }
-    out.index = 0;
-    for (const std::string_view name : names) {
-      out.read = date_column(name, header_scale);
-      out.second = out.index;
-      if (out.read) return out;
-      ++out.index;
-    }
-    return std::nullopt;
-  }
-
-  Instant date(std::string_view line) const {
-    const std::vector<std::string_view> in_line = table_cells(line, comma);
-    if (in_line.size() != cells) {
-      throw InputError(fmt::format("{} cells; {} are wanted", in_line.size(), cells));
-    }
-    return read ? read(in_line[index]) : ecsv.date(in_line[index], in_line[second]);
-  }
-};
 
 /// Whether a first line that is no date is rather the names of a table's columns.
 bool looks_like_names(std::string_view line) {
@@ -99,39 +54,27 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
         "column of dates");
   }
   std::vector<Instant> instants;
-  std::string_view header_scale;
-  EcsvTime ecsv;
-  std::optional<DateColumn> column;
-  bool is_first = true;
-  text = without_mark(text);
-  for (std::size_t line = 1; !text.empty(); ++line) {
-    const std::string_view whole = take_line(text);
-    const std::string_view content = trimmed(whole.substr(0, whole.find('#')));
-    try {
-      if (content.empty()) {
-        const std::string_view comment = trimmed(whole);
-        if (comment.starts_with('#')) {
-          if (is_first) ecsv.take(trimmed(comment.substr(1)));
-          const std::string_view scale = scale_in_ecsv_header(trimmed(comment.substr(1)));
-          if (!scale.empty()) header_scale = scale;
-        }
-        continue;
+  TextTable table(text, path, TextTable::Comments::anywhere);
+  if (const std::optional<DateColumn> column = DateColumn::in(table)) {
+    while (table.next()) instants.push_back(column->date(table));
+  } else {
+    text = without_mark(text);
+    for (std::size_t line = 1; !text.empty(); ++line) {
+      const std::string_view whole = take_line(text);
+      const std::string_view content = trimmed(whole.substr(0, whole.find('#')));
+      if (content.empty()) continue;
+      if (instants.empty() && looks_like_names(content)) {
+        throw InputError(
+            {path, line},
+            fmt::format("'{:.60}' is no date, and names no column of dates; such columns are date_utc, jd_tdb, mjd_tt "
+                        "and the like, whose names say the scale, or a Time that astropy wrote to an ECSV table",
+                        content));
       }
-      if (is_first) column = DateColumn::of(content, ecsv, header_scale);
-      if (is_first && !column && looks_like_names(content)) {
-        throw InputError(fmt::format(
-            "'{:.60}' is no date, and names no column of dates; such columns are date_utc, jd_tdb, mjd_tt and "
-            "the like, whose names say the scale, or a Time that astropy wrote to an ECSV table",
-            content));
-      }
-      if (!column) {
+      try {
         instants.push_back(parse_date_with_scale(content, missing).instant);
-      } else if (!is_first) {
-        instants.push_back(column->date(content));
+      } catch (const InputError& error) {
+        throw InputError({path, line}, error.what());
       }
-      is_first = false;
-    } catch (const InputError& error) {
-      throw InputError({path, line}, error.what());
     }
   }
   if (instants.empty()) throw InputError({path, 0}, "the list holds no date");

@@ -13,6 +13,7 @@
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/date_column.hpp"
 #include "polhode/read/text_file.hpp"
+#include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {
@@ -174,45 +175,35 @@ class OemReader {
 
 // --- Tables of text -------------------------------------------------------------------------------------------------
 
-class TextTableReader {
+class TableReader {
  public:
-  TextTableReader(const std::string& path, const TrajectoryRequest& request) : path_(path), request_(request) {}
+  TableReader(std::string_view text, const std::string& path, const TrajectoryRequest& request)
+      : table_(text, path), request_(request) {
+    if (table_.names().empty()) throw table_.error("the table has no line of column names");
+  }
 
-  TabulatedOrbit read(std::string_view text) {
+  TabulatedOrbit read() {
     const ToFrame to_frame(request_.table_frame.value_or(request_.frame), request_.frame);
-    read_header(text);
-    const SourceLocation names_at{path_, line_};
+    const SourceLocation names_at = table_.here();
     const DateReader instant = clock();
     const std::array<Column, 3> place{column("x"), column("y"), column("z")};
     const bool with_velocity = find("vx") || find("vy") || find("vz");
     std::array<Column, 3> motion{};
     if (with_velocity) motion = {column("vx"), column("vy"), column("vz")};
+    const auto value = [this](const Column& column) { return column.to_si * table_.number(column.index); };
 
     OrbitTable table;
-    while (!text.empty()) {
-      const std::string_view content = trimmed(take_line(text));
-      ++line_;
-      if (content.empty() || content.starts_with('#')) continue;
-      const SourceLocation here{path_, line_};
-      const std::vector<std::string_view> cells = split(content);
-      if (cells.size() != names_.size()) {
-        throw InputError(here, fmt::format("{} cells; {} are wanted", cells.size(), names_.size()));
-      }
-      const auto value = [&](const Column& column) {
-        const std::optional<double> number = parse_number(cells[column.index]);
-        if (!number) throw InputError(here, fmt::format("'{:.40}' is not a number", cells[column.index]));
-        return column.to_si * *number;
-      };
+    while (table_.next()) {
       Instant time;
       try {
-        time = instant(cells[0]);
+        time = instant(table_.cell(0));
       } catch (const InputError& error) {
-        throw InputError(here, error.what());
+        throw table_.error(error.what());
       }
       Vector3 position(value(place[0]), value(place[1]), value(place[2])), velocity = Vector3::Zero();
       if (with_velocity) velocity = {value(motion[0]), value(motion[1]), value(motion[2])};
       to_frame.turn(time, position, with_velocity ? &velocity : nullptr);
-      append((time - request_.zero).high, position, with_velocity ? &velocity : nullptr, here, table);
+      append((time - request_.zero).high, position, with_velocity ? &velocity : nullptr, table_.here(), table);
     }
     const int nodes = static_cast<int>(table.times_s.size()) * (with_velocity ? 2 : 1);
     table.degree = std::clamp(nodes - 1, 1, kDegree);
@@ -229,36 +220,9 @@ class TextTableReader {
     double to_si = 1.0;
   };
 
-  /// Comments, and the line of names.
-  void read_header(std::string_view& text) {
-    while (!text.empty()) {
-      const std::string_view content = trimmed(take_line(text));
-      ++line_;
-      if (content.empty()) continue;
-      if (!content.starts_with('#')) {
-        comma_ = content.find(',') != std::string_view::npos;
-        for (const std::string_view name : split(content)) names_.emplace_back(name);
-        return;
-      }
-      const std::string_view comment = trimmed(content.substr(1));
-      if (const auto scale = scale_in_ecsv_header(comment); !scale.empty()) scale_ = scale;
-      // - {name: x, unit: km, datatype: float64}
-      const std::size_t name = comment.find("{name: "), unit = comment.find("unit: ");
-      if (name == std::string_view::npos || unit == std::string_view::npos) continue;
-      const auto item = [&](std::size_t at, std::size_t skip) {
-        const std::string_view rest = comment.substr(at + skip);
-        return std::string(trimmed(rest.substr(0, rest.find_first_of(",}"))));
-      };
-      units_.emplace_back(item(name, 7), item(unit, 6));
-    }
-    throw InputError({path_, line_}, "the table has no line of column names");
-  }
-
-  std::vector<std::string_view> split(std::string_view line) const { return table_cells(line, comma_); }
-
   /// What the first column says.
   DateReader clock() const {
-    const std::string& name = names_[0];
+    const std::string& name = table_.names()[0];
     if (name == "t_s") {
       return [zero = request_.zero](std::string_view text) {
         const std::optional<double> seconds = parse_number(text);
@@ -267,39 +231,37 @@ class TextTableReader {
       };
     }
     try {
-      if (DateReader reader = date_column(name, scale_)) return reader;
+      if (DateReader reader = date_column(name, table_.header().scale())) return reader;
     } catch (const InputError& error) {
-      throw InputError({path_, line_}, error.what());
+      throw table_.error(error.what());
     }
-    throw InputError({path_, line_}, fmt::format("the first column is '{:.40}'; allowed: date_, jd_ or mjd_ and a time "
-                                                 "scale (date_tdb), time with its scale in an ECSV header, t_s",
-                                                 name));
+    throw table_.error(
+        fmt::format("the first column is '{:.40}'; allowed: date_, jd_ or mjd_ and a time scale "
+                    "(date_tdb), time with its scale in an ECSV header, t_s",
+                    name));
   }
 
   std::optional<Column> find(std::string_view wanted) const {
     const bool speed = wanted.starts_with('v');
-    for (std::size_t i = 1; i < names_.size(); ++i) {
-      const std::string& name = names_[i];
+    for (std::size_t i = 1; i < table_.names().size(); ++i) {
+      const std::string& name = table_.names()[i];
       std::string unit;
       if (name == wanted) {
-        const auto listed = std::find_if(units_.begin(), units_.end(), [&](const auto& u) { return u.first == name; });
-        if (listed == units_.end()) {
-          throw InputError({path_, line_}, fmt::format("column {} has no unit: name it {}{} or the like", name, name,
-                                                       speed ? "_km_s" : "_km"));
+        unit = table_.header().unit(name);
+        if (unit.empty()) {
+          throw table_.error(
+              fmt::format("column {} has no unit: name it {}{} or the like", name, name, speed ? "_km_s" : "_km"));
         }
-        unit = listed->second;
       } else if (name.size() > wanted.size() && name.starts_with(wanted) && name[wanted.size()] == '_') {
         unit = name.substr(wanted.size() + 1);
+        std::replace(unit.begin(), unit.end(), '_', '/');  // vx_km_s
       } else {
         continue;
       }
-      std::erase_if(unit, [](char c) { return c == '\'' || c == '"'; });
-      if (unit == "AU") unit = "au";
-      std::replace(unit.begin(), unit.end(), '_', '/');  // vx_km_s
       try {
         return Column{i, speed ? speed_unit_m_s(unit) : length_unit_m(unit)};
       } catch (const InputError& error) {
-        throw InputError({path_, line_}, fmt::format("column {}: {}", name, error.what()));
+        throw table_.error(fmt::format("column {}: {}", name, error.what()));
       }
     }
     return std::nullopt;
@@ -307,17 +269,11 @@ class TextTableReader {
 
   Column column(std::string_view wanted) const {
     if (const std::optional<Column> found = find(wanted)) return *found;
-    throw InputError({path_, line_},
-                     fmt::format("there is no column {}_m, {}_km, or {} with a unit", wanted, wanted, wanted));
+    throw table_.error(fmt::format("there is no column {}_m, {}_km, or {} with a unit", wanted, wanted, wanted));
   }
 
-  const std::string& path_;
+  TextTable table_;
   const TrajectoryRequest& request_;
-  std::size_t line_ = 0;
-  bool comma_ = false;
-  std::vector<std::string> names_;
-  std::vector<std::pair<std::string, std::string>> units_;  // of an ECSV header, by column
-  std::string scale_;
 };
 
 }  // namespace
@@ -333,7 +289,7 @@ TabulatedOrbit parse_trajectory(const std::string& text, const std::string& path
     }
     return OemReader(path, request).read(text);
   }
-  return TextTableReader(path, request).read(text);
+  return TableReader(text, path, request).read();
 }
 
 }  // namespace polhode

@@ -35,7 +35,7 @@ constexpr std::array<double, 5> of_angle{1, 0, 0, 0, 0}, of_duration{0, 0, 1, 0,
     of_mass{0, 0, 0, 0, 1}, of_force{0, 0, -2, 1, 1};
 
 // A slug is 0.45359237 kg times 9.80665 / 0.3048; exact by definition, as the au is.
-constexpr std::array<NamedUnit, 32> named_units{{{"deg", {1, 1, of_angle}},
+constexpr std::array<NamedUnit, 33> named_units{{{"deg", {1, 1, of_angle}},
                                                  {"rad", {1, 1, {0, 1, 0, 0, 0}}},
                                                  {"arcmin", {1, 60, of_angle}},
                                                  {"arcsec", {1, 3600, of_angle}},
@@ -56,6 +56,7 @@ constexpr std::array<NamedUnit, 32> named_units{{{"deg", {1, 1, of_angle}},
                                                  {"mm", {1e-3, 1, of_length}},
                                                  {"ft", {0.3048, 1, of_length}},
                                                  {"au", {149597870700.0, 1, of_length}},
+                                                 {"AU", {149597870700.0, 1, of_length}},
                                                  {"kg", {1, 1, of_mass}},
                                                  {"g", {1e-3, 1, of_mass}},
                                                  {"t", {1e3, 1, of_mass}},

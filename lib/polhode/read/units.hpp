@@ -10,7 +10,7 @@ namespace polhode {
 
 /// Units, wherever a file or an option names one: names joined by blanks, * and /, each perhaps with an exponent behind
 /// it, as m2, m^2 or m**2 ("kg m2", "kg*m**2", "deg/day", "1/s"). The names: deg, rad, arcmin, arcsec, mas, uas, rev,
-/// rpm; s, ms, us, min, h, d, day; m, km, cm, mm, ft, au; kg, g, t, slug; N, mN, kN; Hz, %, 1.
+/// rpm; s, ms, us, min, h, d, day; m, km, cm, mm, ft, au or AU; kg, g, t, slug; N, mN, kN; Hz, %, 1.
 
 /// The factor that takes numbers in unit `from` to unit `to`, names in any case of letters, as CCSDS messages have
 /// them. Nothing if a name is not known or the two measure different things.
