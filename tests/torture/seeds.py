@@ -243,9 +243,12 @@ def all_seeds(data):
     box = (data / "samples/mesh/box.obj").read_bytes()
     for name, text in BODIES.items():
         seeds.append(Seed("body", name, {name: text.encode(), "box.obj": box}, body_commands(name)))
-    for name, content in read("samples/asteroid/*").items():
-        file = name + "#7" if name.endswith("tumblers.csv") else name
-        seeds.append(Seed("asteroid", name, {name: content}, body_commands(file)))
+    of_their_own = {"attitude", "ccsds", "mesh", "time"}  # below
+    folders = sorted(folder.name for folder in (data / "samples").iterdir() if folder.name not in of_their_own)
+    for folder in folders:
+        for name, content in read(f"samples/{folder}/*").items():
+            file = name + "#7" if name.endswith("tumblers.csv") else name
+            seeds.append(Seed(folder, name, {name: content}, body_commands(file)))
     for name, content in read("samples/mesh/*").items():
         files = {name: content, "mesh.toml": BODIES["mesh.toml"].replace("box.obj", name).encode()}
         seeds.append(Seed("mesh", name, files, [["info", name], *body_commands("mesh.toml", "+1 h")]))
