@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/body/euler.hpp"
 #include "polhode/body/spin_solution.hpp"
@@ -27,11 +28,7 @@ double number_in(std::string_view word, const SourceLocation& where, std::string
 
 Instant julian_date(std::string_view word, const SourceLocation& where, TimeScale scale) {
   number_in(word, where, "JD");
-  try {
-    return parse_date("JD " + std::string(trimmed(word)), scale);
-  } catch (const InputError& error) {
-    throw InputError(where, error.what());
-  }
+  return located(where, [&] { return parse_date("JD " + std::string(trimmed(word)), scale); });
 }
 
 /// Rotation about a principal axis needs no moments: a sphere turns alike.
@@ -260,12 +257,10 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
   spin.precession_period_s = hour_s * number("p_phi");
   spin.rotation_period_s = hour_s * number("p_psi");
   body.warnings.emplace_back("axes assumed: I1 <= I2 <= I3, long-axis convention (Kaasalainen 2001)");
-  try {
+  located(at, [&] {
     body.inertia = inertia_from_moments(Vector3(number("i1"), number("i2"), largest), false);
     set_tumbling_state(body, spin);
-  } catch (const InputError& error) {
-    throw InputError(at, error.what());
-  }
+  });
   return body;
 }
 
@@ -317,21 +312,15 @@ Body parse_shape_model(std::string_view text, const std::string& path) {
   body.source = "SHAPE model file";
   SpinState state;
   state.epoch_scale = TimeScale::utc;
-  try {
-    state.epoch = parse_date(
+  state.epoch = located(at(0), [&] {
+    return parse_date(
         fmt::format("{:04}-{:02}-{:02}T{:02}:{:02}:{:02}", date[0], date[1], date[2], date[3], date[4], date[5]),
         TimeScale::utc);
-  } catch (const InputError& error) {
-    throw InputError(at(0), error.what());
-  }
+  });
   state.frame = Frame::ecliptic_j2000;
   state.q_frame_from_named = q_frame_from_body(EulerSequence("ZXZ"), degree * three(1));
   state.omega_named_rad_s = degree / day_s * three(4);
-  try {
-    body.inertia = inertia_from_moments(three(7), false);
-  } catch (const InputError& error) {
-    throw InputError(at(7), error.what());
-  }
+  body.inertia = located(at(7), [&] { return inertia_from_moments(three(7), false); });
   body.state = state;
   body.warnings.emplace_back("frame assumed: ecliptic of J2000; epoch scale assumed: UTC");
   for (std::size_t row = kept; row < std::min<std::size_t>(rows.size(), kept + 3); ++row) {

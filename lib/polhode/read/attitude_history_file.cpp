@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/fits_table.hpp"
 #include "polhode/read/range.hpp"
@@ -82,11 +83,7 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   history.inertia = inertia_of(table);
   const std::optional<std::string> scale = table.text("TIMESYS");
   if (!scale) throw fail("TIMESYS is missing");
-  try {
-    history.scale = time_scale(*scale);
-  } catch (const InputError& error) {
-    throw fail(error.what());
-  }
+  history.scale = located({path, 0}, [&] { return time_scale(*scale); });
   if (history.scale == TimeScale::et) {
     throw fail(
         "TIMESYS is ET, which is TT by the standard of FITS and SPICE's ET, up to 1.7 ms away, by some programs; "
@@ -168,11 +165,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   history.object_id = table.header().entry("object_id");
   std::string frame_name(table.header().entry("frame_a"));
   const std::size_t columns = table.names().size();
-  try {
-    history.scale = time_scale(table.names()[0].substr(date_prefix.size()));
-  } catch (const InputError& error) {
-    throw table.error(error.what());
-  }
+  history.scale = table.located([&] { return time_scale(table.names()[0].substr(date_prefix.size())); });
   const std::array<std::size_t, 4> q{table.column("q_scalar"), table.column("q_x"), table.column("q_y"),
                                      table.column("q_z")};
   const std::array<std::size_t, 3> omega{table.column("omega_body_x_rad_s"), table.column("omega_body_y_rad_s"),
@@ -201,11 +194,7 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
                                       here_frame, frame_name));
       }
     }
-    try {
-      sample.time = parse_date(table.cell(0), history.scale);
-    } catch (const InputError& error) {
-      throw table.error(error.what());
-    }
+    sample.time = table.located([&] { return parse_date(table.cell(0), history.scale); });
     add_row(segment, sample, table.here());
   }
   finish(history, std::move(segment), frame_name, path);

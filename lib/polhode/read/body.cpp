@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/read/range.hpp"
 
 namespace polhode {
@@ -26,11 +27,7 @@ BodyAndHistory parse_body_and_history(const std::string& text, const RowOfFile& 
   if (format == nullptr)
     throw InputError({place.file, 0}, fmt::format("no kind of file that is known: {}", names_of_input_formats()));
   BodyAndHistory found = format->read(text, place, content_of);
-  try {
-    check_range(found.body);
-  } catch (const InputError& problem) {
-    throw InputError({place.file, 0}, problem.what());
-  }
+  located({place.file, 0}, [&] { check_range(found.body); });
   return found;
 }
 

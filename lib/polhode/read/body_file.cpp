@@ -67,8 +67,7 @@ Inertia uniform_solid(const TomlTable& table, std::string_view form, const MassP
 /// 1 where nothing depends on the unit.
 double solid_unit_m(const TomlTable& table) {
   if (!table.has("mass_kg") && !table.has("density_kg_m3") && !table.has("length_unit")) return 1.0;
-  const std::string unit = table.text("length_unit");
-  return table.located("length_unit", [&] { return length_unit_m(unit); });
+  return table.parsed("length_unit", length_unit_m);
 }
 
 Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
@@ -103,8 +102,7 @@ Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path
   table.allow_only({"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis",
                     "short_axis", "mesh", "semi_axes"});
   const std::string_view form = table.one_of({"moments", "tensor", "mesh", "semi_axes"});
-  const std::string unit_name = table.text("unit");
-  const InertiaUnit unit = table.located("unit", [&] { return inertia_unit(unit_name); });
+  const InertiaUnit unit = table.parsed("unit", inertia_unit);
   const bool axes_named = table.has("long_axis") || table.has("intermediate_axis") || table.has("short_axis");
   Matrix3 tensor;
   bool diagonal = false;
@@ -204,8 +202,7 @@ Vector3 read_components(const TomlTable& table, const SpinState& state) {
 
 Vector3 read_angular_velocity(const TomlTable& table, const SpinState& state) {
   table.allow_only({"components", "axes", "unit"});
-  const std::string unit = table.text("unit");
-  const double unit_rad_s = table.located("unit", [&] { return angular_velocity_unit_rad_s(unit); });
+  const double unit_rad_s = table.parsed("unit", angular_velocity_unit_rad_s);
   return unit_rad_s * read_components(table, state);
 }
 
@@ -223,18 +220,20 @@ Vector3 read_angular_momentum(const TomlTable& table, const SpinState& state, co
   return inertia->named_from_principal * momentum.cwiseQuotient(inertia->principal_moments);
 }
 
+Date epoch_of(const TomlTable& table) {
+  return table.parsed("epoch", [](const std::string& text) { return parse_date_with_scale(text); });
+}
+
 SpinState read_state(const TomlTable& table, Body& body) {
   table.allow_only({"epoch", "frame", "attitude", "angular_velocity", "angular_momentum"});
   SpinState state;
-  const std::string epoch = table.text("epoch");
-  const Date date = table.located("epoch", [&] { return parse_date_with_scale(epoch); });
+  const Date date = epoch_of(table);
   state.epoch = date.instant;
   state.epoch_scale = date.scale;
   if (date.scale == TimeScale::utc) {
     if (const auto doubt = utc_doubt(date.instant)) body.warnings.push_back("epoch: " + *doubt);
   }
-  const std::string frame_name = table.text("frame");
-  state.frame = table.located("frame", [&] { return frame_of_state(frame_name); });
+  state.frame = table.parsed("frame", frame_of_state);
   if (table.has("attitude")) state.q_frame_from_named = read_attitude(table.table("attitude"), body);
   if (table.has("angular_velocity") || table.has("angular_momentum")) {
     const std::string_view rate = table.one_of({"angular_velocity", "angular_momentum"});
@@ -250,12 +249,10 @@ void read_spin(const TomlTable& table, Body& body) {
   table.allow_only({"epoch", "frame", "unit", "lambda", "beta", "phi0", "psi0", "theta0", "convention", "mode",
                     "period_unit", "P_phi", "P_psi", "period", "energy"});
   PublishedSpin spin;
-  const std::string epoch = table.text("epoch");
-  const Date date = table.located("epoch", [&] { return parse_date_with_scale(epoch); });
+  const Date date = epoch_of(table);
   spin.epoch = date.instant;
   spin.epoch_scale = date.scale;
-  const std::string frame_name = table.text("frame");
-  spin.frame = table.located("frame", [&] { return inertial_frame(frame_name); });
+  spin.frame = table.parsed("frame", inertial_frame);
   const std::string unit = table.text("unit");
   const double unit_deg = table.located("unit", [&] { return angle_unit_rad(unit); }) * 180.0 / std::numbers::pi;
   for (const std::string_view key : {"lambda", "beta", "phi0", "psi0", "theta0"}) {
@@ -268,8 +265,7 @@ void read_spin(const TomlTable& table, Body& body) {
     return table.has(key) ? std::optional(unit_deg * table.number(key)) : std::nullopt;
   };
   spin.phi0_deg = angle("phi0");
-  const std::string period_unit = table.text("period_unit");
-  const double unit_s = table.located("period_unit", [&] { return duration_unit_s(period_unit); });
+  const double unit_s = table.parsed("period_unit", duration_unit_s);
   const auto period = [&](std::string_view key) {
     const double value = unit_s * table.number(key);
     if (!(value > 0.0)) throw table.error(key, "must be positive");

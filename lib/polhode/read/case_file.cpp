@@ -11,6 +11,7 @@
 #include <system_error>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/text_file.hpp"
 
@@ -71,11 +72,9 @@ Torque torque(const std::vector<std::string_view>& words, const SourceLocation& 
   const std::string_view kind = words[0];
   if (kind == "gravity-gradient") {
     const auto v = case_numbers<10>(words, where);
-    try {
+    return located(where, [&] {
       return GravityGradient(v[0], KeplerElements{v[0], v[1], v[2], v[3], {v[4], v[5], v[6]}, {v[7], v[8], v[9]}});
-    } catch (const InputError& problem) {
-      throw InputError(where, problem.what());
-    }
+    });
   }
   if (kind == "constant-body") {
     const auto v = case_numbers<3>(words, where);
@@ -90,11 +89,7 @@ Torque torque(const std::vector<std::string_view>& words, const SourceLocation& 
 
 Torque checked_torque(const std::vector<std::string_view>& words, const SourceLocation& where) {
   const Torque one = torque(words, where);
-  try {
-    Torques({one});
-  } catch (const InputError& problem) {
-    throw InputError(where, problem.what());
-  }
+  located(where, [&] { Torques({one}); });
   return one;
 }
 

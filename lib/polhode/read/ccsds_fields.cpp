@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/units.hpp"
 
@@ -75,12 +76,10 @@ Instant CcsdsClock::date(std::string_view text, const SourceLocation& where) con
     throw InputError(where,
                      fmt::format("'{}' is no date: YYYY-MM-DDThh:mm:ss[.d] or YYYY-DDDThh:mm:ss[.d] is wanted", text));
   }
-  try {
+  return located(where, [&] {
     if (!text.ends_with('Z')) return parse_date(text, scale);
     return parse_date(text.substr(0, text.size() - 1), known ? TimeScale::utc : scale);
-  } catch (const InputError& error) {
-    throw InputError(where, error.what());
-  }
+  });
 }
 
 CcsdsClock ccsds_clock(const CcsdsEntry& entry, const std::string& file) {

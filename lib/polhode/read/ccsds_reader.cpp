@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_frames.hpp"
 #include "polhode/read/ccsds_rules.hpp"
@@ -122,11 +123,7 @@ void CcsdsReader::set_inertia(const CcsdsFields& f, std::span<const std::string_
   const auto inertia = [&](ProductsOfInertia sign) {
     return inertia_from_tensor(inertia_tensor(moments, products, sign), true);
   };
-  try {
-    out_.body.inertia = inertia(ProductsOfInertia::positive_integrals);
-  } catch (const InputError& error) {
-    throw InputError(f.where(keys[0]), error.what());
-  }
+  out_.body.inertia = located(f.where(keys[0]), [&] { return inertia(ProductsOfInertia::positive_integrals); });
   inertia_frame_ = frame_name(f, "INERTIA_REF_FRAME");
   if (!(products.cwiseAbs().maxCoeff() > 0.0)) return;
   std::string other;

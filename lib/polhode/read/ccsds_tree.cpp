@@ -6,7 +6,6 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
-#include "polhode/read/ccsds_xml.hpp"
 
 namespace polhode {
 namespace {

@@ -72,5 +72,6 @@ bool is_ccsds(std::string_view text);
 /// InputError with file and line: lines that are neither `keyword = value`, comment, start or stop of a block nor data;
 /// blocks that do not nest; broken XML; elements that no message has; a kind of message that is not wanted.
 CcsdsFile parse_ccsds(std::string_view text, const std::string& name, CcsdsContent content = CcsdsContent::attitude);
+CcsdsFile parse_ccsds_xml(std::string_view text, const std::string& name, CcsdsContent content);  ///< of a text in XML
 
 }  // namespace polhode

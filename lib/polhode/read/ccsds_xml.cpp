@@ -1,5 +1,4 @@
-#include "polhode/read/ccsds_xml.hpp"
-
+// CCSDS messages in XML, taken apart as those in KVN are.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/read/ccsds_tree.hpp"
 
 namespace polhode {
 namespace {

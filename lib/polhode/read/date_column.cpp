@@ -51,11 +51,7 @@ std::optional<DateColumn> DateColumn::in(const TextTable& table) {
     if (out.first_ < columns && out.second_ < columns) return out;
   }
   for (out.first_ = 0; out.first_ < columns; ++out.first_) {
-    try {
-      out.read_ = date_column(table.names()[out.first_], table.header().scale());
-    } catch (const InputError& error) {
-      throw table.error(error.what());
-    }
+    out.read_ = table.located([&] { return date_column(table.names()[out.first_], table.header().scale()); });
     out.second_ = out.first_;
     if (out.read_) return out;
   }
@@ -63,11 +59,8 @@ std::optional<DateColumn> DateColumn::in(const TextTable& table) {
 }
 
 Instant DateColumn::date(const TextTable& table) const {
-  try {
-    return read_ ? read_(table.cell(first_)) : date(table.cell(first_), table.cell(second_));
-  } catch (const InputError& error) {
-    throw table.error(error.what());
-  }
+  return table.located(
+      [&] { return read_ ? read_(table.cell(first_)) : date(table.cell(first_), table.cell(second_)); });
 }
 
 Instant DateColumn::date(const std::string& first, const std::string& second) const {

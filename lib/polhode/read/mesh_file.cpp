@@ -11,6 +11,7 @@
 #include <limits>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/text_file.hpp"
 
@@ -412,13 +413,11 @@ Body body_of_mesh(std::string_view content, const std::string& path) {
   body.name = std::filesystem::path(path).stem().string();
   body.source = "shape model, uniform density";
   const TriangleMesh mesh = read_mesh(content, path);
-  try {
+  located({path, 0}, [&] {
     const MassProperties solid = mass_properties(mesh);
     body.inertia = inertia_from_tensor(Matrix3(solid.inertia_about_centre / solid.volume), false);
     body.notes.push_back(describe(solid));
-  } catch (const InputError& error) {
-    throw InputError({path, 0}, error.what());
-  }
+  });
   body.missing = {"an attitude", "an angular velocity"};
   return body;
 }

@@ -125,8 +125,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
     throw root.error(
         "body", fmt::format("{} has no inertia, or no attitude and rate at an epoch; a scene needs them", body_path));
   }
-  const std::string frame_name = root.text("frame");
-  scene.frame = root.located("frame", [&] { return inertial_frame(frame_name); });
+  scene.frame = root.parsed("frame", inertial_frame);
   // "30 d": a bare number would be seconds or radians, which its writer need not have meant.
   const auto quantity = [&](std::string_view key, std::string_view example) {
     const auto wanted = [&](const std::string& found) {

@@ -65,6 +65,15 @@ class TextTable {
 
   SourceLocation here() const { return {path_, line_}; }  ///< the line that was read last
   InputError error(const std::string& message) const { return {here(), message}; }
+  /// Runs `work`, and gives an InputError of its own this line.
+  template <class Work>
+  auto located(const Work& work) const {
+    try {
+      return work();
+    } catch (const InputError& problem) {
+      throw error(problem.what());
+    }
+  }
 
  private:
   std::string_view take_content();

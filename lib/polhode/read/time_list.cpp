@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/date_column.hpp"
 #include "polhode/read/text_file.hpp"
@@ -70,11 +71,7 @@ std::vector<Instant> parse_time_lines(std::string_view text, std::optional<TimeS
                         "and the like, whose names say the scale, or a Time that astropy wrote to an ECSV table",
                         content));
       }
-      try {
-        instants.push_back(parse_date_with_scale(content, missing).instant);
-      } catch (const InputError& error) {
-        throw InputError({path, line}, error.what());
-      }
+      located({path, line}, [&] { instants.push_back(parse_date_with_scale(content, missing).instant); });
     }
   }
   if (instants.empty()) throw InputError({path, 0}, "the list holds no date");

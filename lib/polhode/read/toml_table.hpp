@@ -57,6 +57,12 @@ class TomlTable {
       throw error(key, problem.what());
     }
   }
+  /// What `parse` makes of a text.
+  template <class Parse>
+  auto parsed(std::string_view key, const Parse& parse) const {
+    const std::string value = text(key);
+    return located(key, [&] { return parse(value); });
+  }
   /// Runs `work`, which opens the file that this key names, and puts the key's place before a FileError of its own.
   template <class Work>
   auto opened(std::string_view key, const Work& work) const {

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/read/ccsds_fields.hpp"
 #include "polhode/read/ccsds_rules.hpp"
@@ -73,11 +74,7 @@ constexpr std::array<std::string_view, 10> row_keywords{"EPOCH", "X",     "Y",  
 
 Frame oem_frame(const CcsdsFields& fields) {
   const std::string name = fields.normal("REF_FRAME");
-  try {
-    return frame(name.starts_with("ITRF") ? "ITRF" : name);
-  } catch (const InputError& error) {
-    throw InputError(fields.where("REF_FRAME"), error.what());
-  }
+  return located(fields.where("REF_FRAME"), [&] { return frame(name.starts_with("ITRF") ? "ITRF" : name); });
 }
 
 class OemReader {
@@ -99,11 +96,7 @@ class OemReader {
     std::vector<OrbitTable> tables;
     std::string object;
     for (const CcsdsSegment& segment : message.segments) tables.push_back(table(segment, object));
-    try {
-      return TabulatedOrbit(std::move(tables));
-    } catch (const InputError& error) {
-      throw InputError({path_, message.segments.front().metadata.line}, error.what());
-    }
+    return located({path_, message.segments.front().metadata.line}, [&] { return TabulatedOrbit(std::move(tables)); });
   }
 
  private:
@@ -195,11 +188,7 @@ class TableReader {
     OrbitTable table;
     while (table_.next()) {
       Instant time;
-      try {
-        time = instant(table_.cell(0));
-      } catch (const InputError& error) {
-        throw table_.error(error.what());
-      }
+      time = table_.located([&] { return instant(table_.cell(0)); });
       Vector3 position(value(place[0]), value(place[1]), value(place[2])), velocity = Vector3::Zero();
       if (with_velocity) velocity = {value(motion[0]), value(motion[1]), value(motion[2])};
       to_frame.turn(time, position, with_velocity ? &velocity : nullptr);
@@ -207,11 +196,7 @@ class TableReader {
     }
     const int nodes = static_cast<int>(table.times_s.size()) * (with_velocity ? 2 : 1);
     table.degree = std::clamp(nodes - 1, 1, kDegree);
-    try {
-      return TabulatedOrbit({std::move(table)});
-    } catch (const InputError& error) {
-      throw InputError(names_at, error.what());
-    }
+    return located(names_at, [&] { return TabulatedOrbit({std::move(table)}); });
   }
 
  private:
@@ -230,11 +215,8 @@ class TableReader {
         return zero + Seconds{*seconds, 0.0};
       };
     }
-    try {
-      if (DateReader reader = date_column(name, table_.header().scale())) return reader;
-    } catch (const InputError& error) {
-      throw table_.error(error.what());
-    }
+    const DateReader reader = table_.located([&] { return date_column(name, table_.header().scale()); });
+    if (reader) return reader;
     throw table_.error(
         fmt::format("the first column is '{:.40}'; allowed: date_, jd_ or mjd_ and a time scale "
                     "(date_tdb), time with its scale in an ECSV header, t_s",
