@@ -182,10 +182,8 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   segment.body = "BODY";
   while (table.next()) {
     AttitudeSample sample;
-    sample.q_frame_from_body =
-        Quaternion(table.number(q[0]), table.number(q[1]), table.number(q[2]), table.number(q[3]));
-    if (rates)
-      sample.omega_body_rad_s = Vector3(table.number(omega[0]), table.number(omega[1]), table.number(omega[2]));
+    sample.q_frame_from_body = {table.number(q[0]), table.number(q[1]), table.number(q[2]), table.number(q[3])};
+    if (rates) sample.omega_body_rad_s = {table.number(omega[0]), table.number(omega[1]), table.number(omega[2])};
     if (frame_at < columns) {
       const std::string& here_frame = table.cell(frame_at);
       if (frame_name.empty()) frame_name = here_frame;

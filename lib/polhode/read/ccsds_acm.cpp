@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -19,14 +20,14 @@ class AcmReader : CcsdsReader {
 
   CcsdsAttitudeMessage read() {
     const CcsdsFields f = metadata(in_.segments[0], ccsds_rules::acm_metadata);
-    clock_.zero = clock_.date(f.text("EPOCH_TZERO"), f.where("EPOCH_TZERO"));
-    if (f.has("NEXT_LEAP_EPOCH")) clock_.date(f.text("NEXT_LEAP_EPOCH"), f.where("NEXT_LEAP_EPOCH"));
+    clock_.zero = date(f, "EPOCH_TZERO");
+    if (f.has("NEXT_LEAP_EPOCH")) date(f, "NEXT_LEAP_EPOCH");
     if (f.has("START_TIME") && f.has("STOP_TIME") && time(f, "STOP_TIME") < time(f, "START_TIME"))
-      throw InputError(f.where("STOP_TIME"), "STOP_TIME is before START_TIME");
+      throw f.error("STOP_TIME", "STOP_TIME is before START_TIME");
     const CcsdsBlock& data = in_.segments[0].data;
     if (!data.entries.empty()) {
-      throw InputError({file_, data.entries[0].line},
-                       fmt::format("the keyword {} stands outside of any block", data.entries[0].keyword));
+      throw error(data.entries[0].line,
+                  fmt::format("the keyword {} stands outside of any block", data.entries[0].keyword));
     }
     check_data_elements(f, data);
 
@@ -39,7 +40,7 @@ class AcmReader : CcsdsReader {
     for (const CcsdsBlock& block : data.blocks) {
       check_order(block, order);
       if (block.name == single)
-        throw InputError({file_, block.line}, fmt::format("a second {} block; there is at most one", block.name));
+        throw error(block.line, fmt::format("a second {} block; there is at most one", block.name));
       single = block.name == "PHYS" || block.name == "AD" || block.name == "USER" ? block.name : "";
       if (block.name == "ATT") {
         history.segments.push_back(read_att(block));
@@ -73,9 +74,9 @@ class AcmReader : CcsdsReader {
     for (const CcsdsBlock& b : data.blocks) found.push_back(b.name);
     const std::vector<std::string_view> wanted = split_words(listed);
     if (wanted != found) {
-      throw InputError(metadata.where("ACM_DATA_ELEMENTS"),
-                       fmt::format("ACM_DATA_ELEMENTS = {}, but the blocks are {}", fmt::join(wanted, ", "),
-                                   found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+      throw metadata.error("ACM_DATA_ELEMENTS",
+                           fmt::format("ACM_DATA_ELEMENTS = {}, but the blocks are {}", fmt::join(wanted, ", "),
+                                       found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
     }
   }
 
@@ -91,8 +92,7 @@ class AcmReader : CcsdsReader {
   /// numbers.
   template <class Take>
   void read_rows(const CcsdsBlock& block, std::size_t numbers, const Take& take) const {
-    if (block.rows.empty())
-      throw InputError({file_, block.line}, fmt::format("{} has no data lines", block_name(block)));
+    if (block.rows.empty()) throw error(block.line, fmt::format("{} has no data lines", block_name(block)));
     const auto is_relative = [](const CcsdsRow& row) { return parse_number(row.cells[0].value).has_value(); };
     std::optional<Instant> above;
     for (const CcsdsRow& row : block.rows) {
@@ -112,7 +112,7 @@ class AcmReader : CcsdsReader {
       above = instant;
       std::vector<double> n;
       for (std::size_t c = 1; c < row.cells.size(); ++c) n.push_back(ccsds_number(row.cells[c].value, at));
-      take(instant, n, at);
+      take(instant, n, row);
     }
   }
 
@@ -130,8 +130,8 @@ class AcmReader : CcsdsReader {
                                 : (rate == "EULER_RATE" ? Rate::euler_angles : Rate::unused);
     const std::size_t numbers = k.attitude_numbers() + k.rate_numbers();
     if (static_cast<std::size_t>(f.number("NUMBER_STATES")) != numbers) {
-      throw InputError(f.where("NUMBER_STATES"), fmt::format("NUMBER_STATES = {}, but {} with rate {} has {}",
-                                                             f.text("NUMBER_STATES"), attitude, rate, numbers));
+      throw f.error("NUMBER_STATES", fmt::format("NUMBER_STATES = {}, but {} with rate {} has {}",
+                                                 f.text("NUMBER_STATES"), attitude, rate, numbers));
     }
     if (f.has("EULER_ROT_SEQ")) k.axes = euler_sequence(f);
     if ((k.attitude == euler_angles || k.rate == Rate::euler_angles) && !k.axes) f.missing("EULER_ROT_SEQ");
@@ -142,8 +142,8 @@ class AcmReader : CcsdsReader {
                        block.line));
     }
     AttitudeSegment segment;
-    read_rows(block, numbers, [&](Instant instant, const std::vector<double>& n, const SourceLocation& at) {
-      add_row(segment, k.stated(n, "ATT", at), instant);
+    read_rows(block, numbers, [&](Instant instant, const std::vector<double>& n, const CcsdsRow& row) {
+      add_row(segment, k.stated(n, "ATT", {file_, row.line}), instant);
     });
     segment.choose_method();
     return segment;
@@ -151,13 +151,11 @@ class AcmReader : CcsdsReader {
 
   void read_phys(const CcsdsBlock& block) {
     const CcsdsFields f = fields(block, ccsds_rules::phys);
-    if (f.has("CP_REF_FRAME") && !f.has("CP"))
-      throw InputError(f.where("CP_REF_FRAME"), "CP_REF_FRAME is given without CP");
+    if (f.has("CP_REF_FRAME") && !f.has("CP")) throw f.error("CP_REF_FRAME", "CP_REF_FRAME is given without CP");
     if (f.has("CP") && !f.has("CP_REF_FRAME"))
       warn(fmt::format("line {}: CP without CP_REF_FRAME", f.entry("CP").line));
-    if (f.has("WET_MASS") && f.has("DRY_MASS") && f.number("DRY_MASS") > f.number("WET_MASS")) {
-      throw InputError(f.where("DRY_MASS"), "DRY_MASS is larger than WET_MASS");
-    }
+    if (f.has("WET_MASS") && f.has("DRY_MASS") && f.number("DRY_MASS") > f.number("WET_MASS"))
+      throw f.error("DRY_MASS", "DRY_MASS is larger than WET_MASS");
     if (f.all_or_none({"IXX", "IYY", "IZZ"})) {
       set_inertia(f, std::to_array<std::string_view>({"IXX", "IYY", "IZZ", "IXY", "IXZ", "IYZ"}));
       if (!f.all_or_none({"IXY", "IXZ", "IYZ"})) warn("no products of inertia are given; they are taken as 0");
@@ -171,36 +169,35 @@ class AcmReader : CcsdsReader {
     const std::string type = f.normal("COV_TYPE");
     const std::size_t numbers = (type.starts_with("ANGLE") ? 3 : 4) + (type.find('_') != std::string::npos ? 3 : 0);
     frame_name(f, "COV_REF_FRAME");
-    read_rows(block, numbers, [](Instant, const std::vector<double>& n, const SourceLocation& at) {
-      for (const double variance : n) {
-        if (variance < 0.0) throw InputError(at, fmt::format("variance {} is negative", variance));
+    read_rows(block, numbers, [this](Instant, const std::vector<double>& n, const CcsdsRow& row) {
+      const auto negative = std::find_if(n.begin(), n.end(), [](double variance) { return variance < 0.0; });
+      if (negative != n.end()) {
+        const auto column = static_cast<std::size_t>(negative - n.begin()) + 1;
+        throw error(row.line, fmt::format("variance {} is negative", row.cells[column].value));
       }
     });
   }
 
   void read_man(const CcsdsBlock& block) {
     const CcsdsFields f = fields(block, ccsds_rules::acm_man);
-    if (f.has("MAN_END_TIME") && f.has("MAN_DURATION")) {
-      throw InputError(f.where("MAN_DURATION"), "either MAN_END_TIME or MAN_DURATION is given, not both");
-    }
+    if (f.has("MAN_END_TIME") && f.has("MAN_DURATION"))
+      throw f.error("MAN_DURATION", "either MAN_END_TIME or MAN_DURATION is given, not both");
     if (!f.has("MAN_END_TIME") && !f.has("MAN_DURATION")) f.missing("MAN_END_TIME (or MAN_DURATION)");
     const Instant begin = time(f, "MAN_BEGIN_TIME");
     if (f.has("MAN_END_TIME") && time(f, "MAN_END_TIME") < begin)
-      throw InputError(f.where("MAN_END_TIME"), "MAN_END_TIME is before MAN_BEGIN_TIME");
-    if (f.has("TARGET_MOM_FRAME") && !f.has("TARGET_MOMENTUM")) {
-      throw InputError(f.where("TARGET_MOM_FRAME"), "TARGET_MOM_FRAME is given without TARGET_MOMENTUM");
-    }
-    if (f.has("TARGET_MOMENTUM") && !f.has("TARGET_MOM_FRAME")) {
+      throw f.error("MAN_END_TIME", "MAN_END_TIME is before MAN_BEGIN_TIME");
+    if (f.has("TARGET_MOM_FRAME") && !f.has("TARGET_MOMENTUM"))
+      throw f.error("TARGET_MOM_FRAME", "TARGET_MOM_FRAME is given without TARGET_MOMENTUM");
+    if (f.has("TARGET_MOMENTUM") && !f.has("TARGET_MOM_FRAME"))
       warn(fmt::format("line {}: TARGET_MOMENTUM without TARGET_MOM_FRAME", f.entry("TARGET_MOMENTUM").line));
-    }
   }
 
   void read_ad(const CcsdsBlock& block) {
     const CcsdsFields f = fields(block, ccsds_rules::ad);
     const bool has_rate = f.has("RATE_STATES") && f.normal("RATE_STATES") != "NONE";
     if (has_rate && f.has("NUMBER_STATES") && f.number("NUMBER_STATES") < 6.0) {
-      throw InputError(f.where("NUMBER_STATES"),
-                       fmt::format("NUMBER_STATES = {}; with rates there are at least 6", f.text("NUMBER_STATES")));
+      throw f.error("NUMBER_STATES",
+                    fmt::format("NUMBER_STATES = {}; with rates there are at least 6", f.text("NUMBER_STATES")));
     }
     if (f.normal("ATTITUDE_STATES") == "EULER_ANGLES" && !f.has("EULER_ROT_SEQ")) f.missing("EULER_ROT_SEQ");
     std::vector<std::pair<double, std::size_t>> numbers_used;
@@ -209,16 +206,15 @@ class AcmReader : CcsdsReader {
       const double index = s.number("SENSOR_NUMBER");
       for (const auto& [used, line] : numbers_used) {
         if (used == index)
-          throw InputError(s.where("SENSOR_NUMBER"),
-                           fmt::format("SENSOR_NUMBER {} is already used on line {}", index, line));
+          throw s.error("SENSOR_NUMBER", fmt::format("SENSOR_NUMBER {} is already used on line {}", index, line));
       }
       numbers_used.emplace_back(index, s.entry("SENSOR_NUMBER").line);
       const std::size_t deviations = s.has("SENSOR_NOISE_STDDEV") ? s.numbers("SENSOR_NOISE_STDDEV").size() : 0;
       if (s.has("NUMBER_SENSOR_NOISE_COVARIANCE") &&
           s.number("NUMBER_SENSOR_NOISE_COVARIANCE") != static_cast<double>(deviations)) {
-        throw InputError(s.where("NUMBER_SENSOR_NOISE_COVARIANCE"),
-                         fmt::format("NUMBER_SENSOR_NOISE_COVARIANCE = {}, but SENSOR_NOISE_STDDEV has {}",
-                                     s.text("NUMBER_SENSOR_NOISE_COVARIANCE"), deviations));
+        throw s.error("NUMBER_SENSOR_NOISE_COVARIANCE",
+                      fmt::format("NUMBER_SENSOR_NOISE_COVARIANCE = {}, but SENSOR_NOISE_STDDEV has {}",
+                                  s.text("NUMBER_SENSOR_NOISE_COVARIANCE"), deviations));
       }
     }
     note(fmt::format("attitude determination with {} sensors, checked and left out", block.blocks.size()));

@@ -57,8 +57,8 @@ class AemReader : CcsdsReader {
         id = f.normal("OBJECT_ID");
         history = new_history(f.text("OBJECT_ID"));
       } else if (f.normal("OBJECT_ID") != id) {
-        throw InputError(f.where("OBJECT_ID"), fmt::format("OBJECT_ID = {}: an AEM is about a single object, {} above",
-                                                           f.text("OBJECT_ID"), id));
+        throw f.error("OBJECT_ID", fmt::format("OBJECT_ID = {}: an AEM is about a single object, {} above",
+                                               f.text("OBJECT_ID"), id));
       }
       history.segments.push_back(read_segment(f, data_of(segment)));
     }
@@ -73,15 +73,15 @@ class AemReader : CcsdsReader {
       if (b.name != "DATA") refuse(b);
     }
     if (blocks.size() != 1) {
-      throw InputError({file_, blocks.size() > 1 ? blocks[1].line : segment.metadata.line},
-                       "each META block of an AEM is followed by one DATA block");
+      throw error(blocks.size() > 1 ? blocks[1].line : segment.metadata.line,
+                  "each META block of an AEM is followed by one DATA block");
     }
     const CcsdsBlock& block = blocks[0];
     if (!block.entries.empty()) {
-      throw InputError({file_, block.entries[0].line},
-                       fmt::format("the keyword {} between the data lines", block.entries[0].keyword));
+      throw error(block.entries[0].line,
+                  fmt::format("the keyword {} between the data lines", block.entries[0].keyword));
     }
-    if (block.rows.empty()) throw InputError({file_, block.line}, "the DATA block has no data lines");
+    if (block.rows.empty()) throw error(block.line, "the DATA block has no data lines");
     return block;
   }
 
@@ -95,8 +95,7 @@ class AemReader : CcsdsReader {
     const bool of_v2 =
         r.type.ends_with("/ANGVEL") || r.type == "EULER_ANGLE/DERIVATIVE" || r.type == "SPIN/NUTATION_MOM";
     const std::size_t line = f.entry("ATTITUDE_TYPE").line;
-    if (version_ == 2 && of_v1)
-      throw InputError({file_, line}, fmt::format("ATTITUDE_TYPE = {} was removed in version 2", r.type));
+    if (version_ == 2 && of_v1) throw error(line, fmt::format("ATTITUDE_TYPE = {} was removed in version 2", r.type));
     if (version_ == 1 && of_v2)
       warn(fmt::format("line {}: ATTITUDE_TYPE = {} of version 2 under a header of version 1", line, r.type));
     if (version_ == 1 && r.type.starts_with("QUATERNION")) {
@@ -127,8 +126,8 @@ class AemReader : CcsdsReader {
     if (!f.has("RATE_FRAME")) f.missing("RATE_FRAME");
     const std::string frame = f.normal("RATE_FRAME");
     if (frame != "REF_FRAME_A" && frame != "REF_FRAME_B") {
-      throw InputError(f.where("RATE_FRAME"),
-                       fmt::format("RATE_FRAME = {}: REF_FRAME_A or REF_FRAME_B is wanted", f.text("RATE_FRAME")));
+      throw f.error("RATE_FRAME",
+                    fmt::format("RATE_FRAME = {}: REF_FRAME_A or REF_FRAME_B is wanted", f.text("RATE_FRAME")));
     }
     if (k.axes) {
       warn(std::string(warning_of_v1_rates));
@@ -188,18 +187,16 @@ class AemReader : CcsdsReader {
   AttitudeSegment read_segment(const CcsdsFields& f, const CcsdsBlock& block) {
     const RowFormat format = row_format(f);
     AttitudeSegment segment;
-    const auto date = [&](std::string_view keyword) { return clock_.date(f.text(keyword), f.where(keyword)); };
-    const Instant start = date("START_TIME");
-    const Instant stop = date("STOP_TIME");
-    if (stop < start) throw InputError(f.where("STOP_TIME"), "STOP_TIME is before START_TIME");
-    if (f.has("USEABLE_START_TIME")) segment.usable_start = date("USEABLE_START_TIME");
-    if (f.has("USEABLE_STOP_TIME")) segment.usable_stop = date("USEABLE_STOP_TIME");
-    if (segment.usable_start && segment.usable_stop && *segment.usable_stop < *segment.usable_start) {
-      throw InputError(f.where("USEABLE_STOP_TIME"), "USEABLE_STOP_TIME is before USEABLE_START_TIME");
-    }
+    const Instant start = date(f, "START_TIME");
+    const Instant stop = date(f, "STOP_TIME");
+    if (stop < start) throw f.error("STOP_TIME", "STOP_TIME is before START_TIME");
+    if (f.has("USEABLE_START_TIME")) segment.usable_start = date(f, "USEABLE_START_TIME");
+    if (f.has("USEABLE_STOP_TIME")) segment.usable_stop = date(f, "USEABLE_STOP_TIME");
+    if (segment.usable_start && segment.usable_stop && *segment.usable_stop < *segment.usable_start)
+      throw f.error("USEABLE_STOP_TIME", "USEABLE_STOP_TIME is before USEABLE_START_TIME");
     const auto check_within = [&](const std::optional<Instant>& time, std::string_view keyword) {
       if (time && (*time < start || stop < *time))
-        throw InputError(f.where(keyword), fmt::format("{} is outside of START_TIME to STOP_TIME", keyword));
+        throw f.error(keyword, fmt::format("{} is outside of START_TIME to STOP_TIME", keyword));
     };
     check_within(segment.usable_start, "USEABLE_START_TIME");
     check_within(segment.usable_stop, "USEABLE_STOP_TIME");
@@ -212,14 +209,12 @@ class AemReader : CcsdsReader {
       if (!segment.samples.empty() && !(segment.samples.back().time < sample.time))
         throw InputError(at, fmt::format("time {} is not after the one above; times increase", epoch_text));
       // Real files round the span and the rows differently; a second more is another matter.
-      if ((start - sample.time).high >= 1.0 || (sample.time - stop).high >= 1.0) {
+      if ((start - sample.time).high >= 1.0 || (sample.time - stop).high >= 1.0)
         throw InputError(at, fmt::format("{} is outside of START_TIME to STOP_TIME", epoch_text));
-      }
       add_row(segment, a, sample.time);
     }
-    if ((segment.samples.front().time - start).high > 1.0 || (stop - segment.samples.back().time).high > 1.0) {
+    if ((segment.samples.front().time - start).high > 1.0 || (stop - segment.samples.back().time).high > 1.0)
       warn(fmt::format("line {}: the data lines do not reach from START_TIME to STOP_TIME", block.line));
-    }
     set_interpolation(segment, f);
     return segment;
   }
@@ -241,9 +236,8 @@ class AemReader : CcsdsReader {
                        method, name(segment.method)));
       return;
     }
-    if (!f.has("INTERPOLATION_DEGREE") && method != "LINEAR") {
-      throw InputError({file_, line}, "INTERPOLATION_DEGREE is missing: it goes with INTERPOLATION_METHOD");
-    }
+    if (!f.has("INTERPOLATION_DEGREE") && method != "LINEAR")
+      throw error(line, "INTERPOLATION_DEGREE is missing: it goes with INTERPOLATION_METHOD");
     segment.method = *known;
     segment.degree = f.has("INTERPOLATION_DEGREE") ? static_cast<int>(f.number("INTERPOLATION_DEGREE")) : 1;
     segment.method_stated = true;
@@ -253,9 +247,8 @@ class AemReader : CcsdsReader {
       warn(fmt::format("line {}: {} rows are too few for {} of degree {}; the degree is reduced", line,
                        segment.samples.size(), method, segment.degree));
     }
-    if (segment.method == AttitudeInterpolation::hermite && !segment.has_rates()) {
+    if (segment.method == AttitudeInterpolation::hermite && !segment.has_rates())
       warn(fmt::format("line {}: HERMITE without rates is the same as LAGRANGE", line));
-    }
   }
 };
 

@@ -61,9 +61,8 @@ class ApmReader : CcsdsReader {
     v1_ = blocks_version_ == 1;
     const CcsdsFields top(data, v1_ ? std::span<const CcsdsRule>{} : std::span<const CcsdsRule>(ccsds_rules::apm_data),
                           "the data of " + message_name(), file_);
-    if (top.has("EPOCH")) epoch_ = clock_.date(top.text("EPOCH"), top.where("EPOCH"));
-    if (data.blocks.empty())
-      throw InputError({file_, data.line}, fmt::format("{} needs at least one block of data", message_name()));
+    if (top.has("EPOCH")) epoch_ = date(top, "EPOCH");
+    if (data.blocks.empty()) throw error(data.line, fmt::format("{} needs at least one block of data", message_name()));
 
     constexpr std::array<std::string_view, 6> order{"QUAT", "EULER", "ANGVEL", "SPIN", "INERTIA", "MAN"};
     std::size_t manoeuvres = 0;
@@ -85,13 +84,13 @@ class ApmReader : CcsdsReader {
         set_inertia(fields(block, ccsds_rules::inertia, blocks_version_), keys);
       } else {
         const CcsdsFields f = fields(block, ccsds_rules::apm_man, blocks_version_);
-        clock_.date(f.text("MAN_EPOCH_START"), f.where("MAN_EPOCH_START"));
+        date(f, "MAN_EPOCH_START");
         frame_name(f, "MAN_REF_FRAME");
         ++manoeuvres;
       }
     }
     if (manoeuvres > 0) note(fmt::format("manoeuvres: {}, checked and left out", manoeuvres));
-    if (v1_ && !epoch_) throw InputError({file_, data.line}, "Q_FRAME_A is missing: an APM 1.0 has a quaternion");
+    if (v1_ && !epoch_) throw error(data.line, "Q_FRAME_A is missing: an APM 1.0 has a quaternion");
     apply_angular_velocities();
     choose_state();
     return std::move(out_);
@@ -105,9 +104,8 @@ class ApmReader : CcsdsReader {
     };
     const auto block_of = [&has](std::string_view k) -> std::string_view {
       if (has(ccsds_rules::quat, k)) return "QUAT";
-      if (k.starts_with("EULER_") || k == "RATE_FRAME" || k.ends_with("_ANGLE") || k.ends_with("_RATE")) {
+      if (k.starts_with("EULER_") || k == "RATE_FRAME" || k.ends_with("_ANGLE") || k.ends_with("_RATE"))
         return k == "SPIN_ANGLE" ? "SPIN" : "EULER";
-      }
       if (k.starts_with("SPIN_") || k.starts_with("NUTATION")) return "SPIN";
       if (has(ccsds_rules::inertia, k)) return "INERTIA";
       return k.starts_with("MAN_") ? "MAN" : "";
@@ -118,8 +116,7 @@ class ApmReader : CcsdsReader {
     for (const CcsdsEntry& e : flat.entries) {
       const std::string_view name = block_of(e.keyword);
       if (name.empty())
-        throw InputError({file_, e.line},
-                         fmt::format("the keyword {} is not allowed in {}", e.keyword, message_name()));
+        throw error(e.line, fmt::format("the keyword {} is not allowed in {}", e.keyword, message_name()));
       if (data.blocks.empty() || data.blocks.back().name != name || e.keyword == "MAN_EPOCH_START") {
         data.blocks.push_back({std::string(name), e.line, {}, {}, {}});
       }
@@ -146,7 +143,7 @@ class ApmReader : CcsdsReader {
 
   void read_quat(const CcsdsBlock& block) {
     const CcsdsFields f = fields(block, ccsds_rules::quat, blocks_version_);
-    if (v1_) epoch_ = clock_.date(f.text("EPOCH"), f.where("EPOCH"));
+    if (v1_) epoch_ = date(f, "EPOCH");
     Kinematics k = kinematics(f, "Q", Kinematics::Attitude::quaternion);
     std::vector<double> numbers;
     f.append({"Q1", "Q2", "Q3", "QC"}, numbers);
@@ -166,9 +163,8 @@ class ApmReader : CcsdsReader {
     if (rates_given) k.rate = Kinematics::Rate::euler_angles;
     if (!v1_ && f.has("RATE_FRAME"))
       warn(fmt::format("line {}: RATE_FRAME belongs to version 1; ignored", f.entry("RATE_FRAME").line));
-    if (v1_ && rates_given && !f.has("RATE_FRAME")) {
+    if (v1_ && rates_given && !f.has("RATE_FRAME"))
       throw InputError(f.start(), fmt::format("RATE_FRAME is missing in {}, which has rates", f.what()));
-    }
     if (v1_ && !angles_given && !rates_given) f.missing("X_ANGLE (or X_RATE)");
     if (angles_given) {
       state(k, numbers, "EULER", f.start());
@@ -201,10 +197,8 @@ class ApmReader : CcsdsReader {
     f.append({"SPIN_ALPHA", "SPIN_DELTA", "SPIN_ANGLE", "SPIN_ANGLE_VEL"}, numbers);
     if (f.append({"NUTATION", "NUTATION_PER", "NUTATION_PHASE"}, numbers)) k.rate = Kinematics::Rate::nutation;
     if (f.append({"MOMENTUM_ALPHA", "MOMENTUM_DELTA", "NUTATION_VEL"}, numbers)) {
-      if (k.rate == Kinematics::Rate::nutation) {
-        throw InputError(f.where("MOMENTUM_ALPHA"),
-                         "a SPIN block has either NUTATION, … or MOMENTUM_ALPHA, …, not both");
-      }
+      if (k.rate == Kinematics::Rate::nutation)
+        throw f.error("MOMENTUM_ALPHA", "a SPIN block has either NUTATION, … or MOMENTUM_ALPHA, …, not both");
       k.rate = Kinematics::Rate::momentum;
     }
     state(k, numbers, "SPIN", f.start());
@@ -257,8 +251,8 @@ class ApmReader : CcsdsReader {
     }
     if (best == nullptr) {
       if (!angular_velocities_.empty()) {
-        throw InputError({file_, angular_velocities_[0].line},
-                         "an angular velocity, but no attitude (QUAT, EULER or SPIN block) that it belongs to");
+        throw error(angular_velocities_[0].line,
+                    "an angular velocity, but no attitude (QUAT, EULER or SPIN block) that it belongs to");
       }
       lack_state("an attitude (QUAT, EULER or SPIN block)");
       return;

@@ -138,13 +138,11 @@ void CcsdsFields::check(const Field& field) const {
   const auto fail = [&](std::string_view wanted) {
     throw InputError(at, fmt::format("{} = {}: {} is wanted", entry.keyword, entry.value, wanted));
   };
-  if (!rule.choices.empty() && !contains_word(rule.choices, ccsds_text(entry.value))) {
+  if (!rule.choices.empty() && !contains_word(rule.choices, ccsds_text(entry.value)))
     throw InputError(at, fmt::format("{} = {} is not one of: {}", entry.keyword, entry.value, rule.choices));
-  }
   if (!entry.unit.empty()) {
-    if (rule.unit.empty() && entry.unit != "n/a" && rule.keywords != "USER_DEFINED_") {
+    if (rule.unit.empty() && entry.unit != "n/a" && rule.keywords != "USER_DEFINED_")
       throw InputError(at, fmt::format("{} has no unit, found [{}]", entry.keyword, entry.unit));
-    }
     if (!rule.unit.empty() && !unit_factor(entry.unit, rule.unit)) {
       throw InputError(
           at, fmt::format("{}: the unit [{}] is unknown or no kind of {}", entry.keyword, entry.unit, rule.unit));
@@ -152,9 +150,8 @@ void CcsdsFields::check(const Field& field) const {
   }
   const auto as_numbers = [&](std::size_t count) {
     const std::vector<std::string_view> words = split_words(entry.value);
-    if (count != 0 && words.size() != count) {
+    if (count != 0 && words.size() != count)
       throw InputError(at, fmt::format("{} has {} numbers, {} are wanted", entry.keyword, words.size(), count));
-    }
     std::vector<double> list;
     list.reserve(words.size());
     for (const std::string_view word : words) list.push_back(ccsds_number(word, at));

@@ -102,6 +102,7 @@ class CcsdsFields {
   double number(std::string_view keyword) const;
   std::vector<double> numbers(std::string_view keyword) const;
   SourceLocation where(std::string_view keyword) const { return {file_, entry(keyword).line}; }
+  InputError error(std::string_view keyword, const std::string& message) const { return {where(keyword), message}; }
   SourceLocation start() const { return {file_, line_}; }
   const std::string& what() const { return what_; }
 

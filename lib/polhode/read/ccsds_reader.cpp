@@ -50,20 +50,17 @@ CcsdsFields CcsdsReader::fields_beside_rows(const CcsdsBlock& block, std::span<c
 }
 
 CcsdsFields CcsdsReader::fields(const CcsdsBlock& block, std::span<const CcsdsRule> rules, int version) const {
-  if (!block.rows.empty())
-    throw InputError({file_, block.rows[0].line}, fmt::format("a line without '=' in {}", block_name(block)));
+  if (!block.rows.empty()) throw error(block.rows[0].line, fmt::format("a line without '=' in {}", block_name(block)));
   return {block, rules, block_name(block), file_, version};
 }
 
 CcsdsFields CcsdsReader::metadata(const CcsdsSegment& segment, std::span<const CcsdsRule> rules) {
   const CcsdsBlock& block = segment.metadata;
-  if (!block.rows.empty())
-    throw InputError({file_, block.rows[0].line}, fmt::format("a line without '=' in {}", block_name(block)));
+  if (!block.rows.empty()) throw error(block.rows[0].line, fmt::format("a line without '=' in {}", block_name(block)));
   CcsdsFields f(block, rules, "the metadata of " + message_name(), file_, version_);
   clock_ = ccsds_clock(f.entry("TIME_SYSTEM"), file_);
-  if (!clock_.known) {
+  if (!clock_.known)
     warn(fmt::format("TIME_SYSTEM {} cannot be related to UTC: times count among themselves only", clock_.name));
-  }
   if (out_.body.name.empty()) out_.body.name = f.text("OBJECT_NAME");
   return f;
 }
@@ -73,14 +70,14 @@ void CcsdsReader::check_order(const CcsdsBlock& block, std::span<const std::stri
   if (found == order.end()) refuse(block);
   const auto place = static_cast<std::size_t>(found - order.begin());
   if (place < last_place_) {
-    throw InputError({file_, block.line}, fmt::format("the {} block comes after the {} block; their order is {}",
-                                                      block.name, order[last_place_], fmt::join(order, ", ")));
+    throw error(block.line, fmt::format("the {} block comes after the {} block; their order is {}", block.name,
+                                        order[last_place_], fmt::join(order, ", ")));
   }
   last_place_ = place;
 }
 
 void CcsdsReader::refuse(const CcsdsBlock& block) const {
-  throw InputError({file_, block.line}, fmt::format("{} has no block {}", message_name(), block.name));
+  throw error(block.line, fmt::format("{} has no block {}", message_name(), block.name));
 }
 
 std::string CcsdsReader::frame_name(const CcsdsFields& f, std::string_view keyword) {
@@ -96,8 +93,7 @@ void CcsdsReader::set_ends(CcsdsKinematics& k, const CcsdsFields& f, std::string
                            std::string_view direction) {
   k.start = frame_name(f, a);
   k.end = frame_name(f, b);
-  if (same_frame(k.start, k.end))
-    throw InputError(f.where(b), fmt::format("{} and {} are the same frame {}", a, b, k.end));
+  if (same_frame(k.start, k.end)) throw f.error(b, fmt::format("{} and {} are the same frame {}", a, b, k.end));
   if (!direction.empty() && f.normal(direction) == "B2A") std::swap(k.start, k.end);
 }
 

@@ -33,6 +33,7 @@ class CcsdsReader {
  protected:
   std::string message_name() const;
   std::string block_name(const CcsdsBlock& block) const;
+  InputError error(std::size_t line, const std::string& message) const { return {{file_, line}, message}; }
   void warn(std::string text);
   void note(std::string text) { out_.body.notes.push_back(std::move(text)); }
 
@@ -55,6 +56,9 @@ class CcsdsReader {
   void set_ends(CcsdsKinematics& k, const CcsdsFields& f, std::string_view a = "REF_FRAME_A",
                 std::string_view b = "REF_FRAME_B", std::string_view direction = {});
   EulerSequence euler_sequence(const CcsdsFields& f);
+  Instant date(const CcsdsFields& f, std::string_view keyword) const {
+    return clock_.date(f.text(keyword), f.where(keyword));
+  }
 
   /// The body's inertia, from the keywords of its three moments and three products.
   void set_inertia(const CcsdsFields& f, std::span<const std::string_view, 6> keys);

@@ -46,9 +46,8 @@ KvnLine kvn_line(std::string_view text, std::size_t number, const std::string& n
     line.entry = {std::string(content.substr(0, content.size() - 5)), "", "", number};
   } else if (const std::size_t equals = content.find('='); equals != std::string_view::npos) {
     const std::string_view keyword = trimmed(content.substr(0, equals));
-    if (!is_ccsds_keyword(keyword)) {
+    if (!is_ccsds_keyword(keyword))
       throw InputError({name, number}, fmt::format("'{}' is not a keyword (capital letters, digits and _)", keyword));
-    }
     line.kind = KvnLine::Kind::entry;
     line.entry = {std::string(keyword), std::string(trimmed(content.substr(equals + 1))), "", number};
     take_unit(line.entry);
@@ -159,23 +158,20 @@ class KvnBuilder {
   }
 
   void stop(const CcsdsEntry& entry) {
-    if (open_.empty() || open_.back().name != entry.keyword) {
+    if (open_.empty() || open_.back().name != entry.keyword)
       throw InputError({name_, entry.line}, fmt::format("{}_STOP without {}_START", entry.keyword, entry.keyword));
-    }
     CcsdsBlock block = std::move(open_.back());
     open_.pop_back();
     if (!open_.empty()) {
       open_.back().blocks.push_back(std::move(block));
     } else if (block.name == "META" && message_.kind != "APM") {
-      if (!message_.segments.empty() && message_.segments.back().data.blocks.empty() && message_.kind == "AEM") {
+      if (!message_.segments.empty() && message_.segments.back().data.blocks.empty() && message_.kind == "AEM")
         throw InputError({name_, block.line}, "a second META_START before DATA_START");
-      }
       new_segment(block.line);
       message_.segments.back().metadata = std::move(block);
     } else {
-      if (message_.segments.empty() && message_.kind != "APM") {
+      if (message_.segments.empty() && message_.kind != "APM")
         throw InputError({name_, block.line}, fmt::format("{}_START before META_START", block.name));
-      }
       CcsdsSegment& s = segment(block.line);
       if (s.data.entries.empty() && s.data.blocks.empty()) s.data.line = block.line;
       s.data.blocks.push_back(std::move(block));

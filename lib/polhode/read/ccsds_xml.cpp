@@ -43,9 +43,7 @@ class XmlBuilder {
     }
     const pugi::xml_parse_result result =
         document_.load_buffer(text.data(), text.size(), pugi::parse_default | pugi::parse_trim_pcdata);
-    if (!result) {
-      throw InputError({name_, line_at(result.offset)}, fmt::format("broken XML: {}", result.description()));
-    }
+    if (!result) throw InputError({name_, line_at(result.offset)}, fmt::format("broken XML: {}", result.description()));
   }
 
   CcsdsFile build() {
