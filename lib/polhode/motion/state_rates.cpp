@@ -1,10 +1,10 @@
-#include "polhode/motion/kinematics.hpp"
+#include "polhode/motion/state_rates.hpp"
 
 namespace polhode {
 
-Kinematics kinematics(const Vector3& principal_moments, const FreeState& state) {
+StateRates state_rates(const Vector3& principal_moments, const FreeState& state) {
   const Vector3& i = principal_moments;
-  Kinematics k;
+  StateRates k;
   k.omega_body_rad_s = state.momentum_body.cwiseQuotient(i);
   const Vector3& w = k.omega_body_rad_s;
   k.omega_rate_body_rad_s2 = {(i[1] - i[2]) / i[0] * w[1] * w[2], (i[2] - i[0]) / i[1] * w[2] * w[0],
