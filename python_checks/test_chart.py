@@ -57,6 +57,18 @@ def test_speed_accuracy_figures(speed):
     assert "| toutatis |" in output  # the table of how much faster theta is
 
 
+def test_each_method_is_drawn_by_the_family_that_the_table_names(speed, tmp_path):
+    table = Table.read(speed, format="ascii.ecsv")
+    family = dict(zip(table["method"], table["family"]))
+    known = {"exact", "splitting", "moser-veselov", "lie group", "adaptive", "quaternion"}
+    assert set(family.values()) == known
+    assert family["theta"] == "exact" and family["rk4"] == "quaternion"
+    other = tmp_path / "other.ecsv"  # a family that has no style of its own
+    other.write_text(speed.read_text().replace("lie group", "newcomers"))
+    plot(other)
+    assert "newcomers" in (tmp_path / "speed-accuracy-main.svg").read_text()
+
+
 def test_torqued_table_and_figures(tmp_path):
     subjects = [f"{ROOT}/data/truth/torqued/toutatis-01.case@100000", f"{ROOT}/data/scenes/relaxing.toml@20min"]
     chart(tmp_path, "torqued", *subjects, "--size", "0.01")

@@ -17,8 +17,8 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
-#include "polhode/motion/methods.hpp"
 #include "polhode/read/case_file.hpp"
+#include "rivals/registry.hpp"
 #include "subcommands.hpp"
 #include "whole_number.hpp"
 
@@ -87,7 +87,7 @@ Array irregular_times(const std::vector<double>& own, std::size_t count) {
 }
 
 void bench(const BenchOptions& options) {
-  const Method& chosen = method(options.method);
+  const Method& chosen = rivals::measured_method(options.method);
   const CaseFile wanted = read_case_file(options.case_file);
   if (!wanted.torques.empty()) {
     throw InputError(fmt::format("{} has torques ('T' lines); bench measures free motion", options.case_file));

@@ -16,11 +16,11 @@
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
-#include "polhode/survey/speed_accuracy.hpp"
-#include "polhode/survey/stability.hpp"
-#include "polhode/survey/torqued_accuracy.hpp"
 #include "polhode/write/document.hpp"
 #include "polhode/write/ecsv_table.hpp"
+#include "rivals/survey/speed_accuracy.hpp"
+#include "rivals/survey/stability.hpp"
+#include "rivals/survey/torqued_accuracy.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -130,9 +130,10 @@ void chart_speed_accuracy(const ChartOptions& options) {
     const auto told = [&](std::string_view method) { tell(fmt::format("{}: {}", subject.name, method)); };
     for (const survey::SpeedAccuracyRow& r : survey::speed_accuracy(subject, instants, most * options.size, told)) {
       rows.push_back({subject.name, number(subject.span_s), number(subject.span_s / survey::turn_s(subject.body)),
-                      std::string(r.method), fmt::format("{}", r.instants), number(r.step_s), number(r.tolerance),
-                      number(r.errors.attitude_rad), number(r.errors.momentum), number(r.errors.energy),
-                      number(r.errors.orthogonality), number(r.evaluations_per_instant), number(r.ns_per_instant)});
+                      std::string(r.method), std::string(r.family), fmt::format("{}", r.instants), number(r.step_s),
+                      number(r.tolerance), number(r.errors.attitude_rad), number(r.errors.momentum),
+                      number(r.errors.energy), number(r.errors.orthogonality), number(r.evaluations_per_instant),
+                      number(r.ns_per_instant)});
     }
   }
   tell("");
@@ -142,6 +143,7 @@ void chart_speed_accuracy(const ChartOptions& options) {
                     {"span", "s", "float64", "length of the span"},
                     {"turns", "", "float64", "span / (2 pi / initial rate)"},
                     {"method", "", "string", "name"},
+                    {"family", "", "string", "of the method: what is drawn alike"},
                     {"instants", "", "int64", "answered evenly over the span; 1 is its end alone"},
                     {"step", "s", "float64", "of a fixed-step method, else 0"},
                     {"tolerance", "", "float64", "of an adaptive method, else 0"},

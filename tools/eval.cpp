@@ -9,10 +9,11 @@
 
 #include "output.hpp"
 #include "polhode/base/error.hpp"
-#include "polhode/motion/methods.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
+#include "rivals/registry.hpp"
+#include "rivals/splitting_schemes.hpp"
 #include "subcommands.hpp"
 #include "whole_number.hpp"
 
@@ -27,8 +28,9 @@ struct EvalOptions {
   std::size_t most_evaluations = 0;  // of torques; 0: some seconds of work
 };
 
-std::unique_ptr<FreeMotion> make_free_motion(const Method& chosen, const FreeBody& body, const EvalOptions& options) {
-  if (options.step_s != 0.0 && !chosen.fixed_step) {
+std::unique_ptr<FreeMotion> make_free_motion(const FreeBody& body, const EvalOptions& options) {
+  const rivals::MeasuredMethod& chosen = rivals::measured_method(options.method);
+  if (options.step_s != 0.0 && !chosen.fixed_step()) {
     throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
   }
   if (!chosen.make_controlled) return chosen.make(body);
@@ -47,9 +49,13 @@ std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const Ev
   const std::size_t most_evaluations = options.most_evaluations != 0
                                            ? options.most_evaluations
                                            : static_cast<std::size_t>(usual / (0.5 + 0.5 * torques));
-  auto motion = std::make_unique<TorquedMotion>(wanted.body, wanted.torques,
-                                                TorquedOptions{options.tolerance_rad, std::min(0.0, *first),
-                                                               std::max(0.0, *last), options.method, most_evaluations});
+  TorquedOptions how{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last), options.method,
+                     most_evaluations};
+  const auto own = torqued_motion_methods();
+  if (std::find(own.begin(), own.end(), how.method) == own.end()) {
+    how.splitting = &rivals::splitting_scheme(options.method);
+  }
+  auto motion = std::make_unique<TorquedMotion>(wanted.body, wanted.torques, how);
   if (motion->outcome() == Outcome::stopped) {
     throw CheckFailed(
         fmt::format("stopped: {} s to {} s were reached after {} torque evaluations (method {}); allow more by "
@@ -68,9 +74,8 @@ void eval(const EvalOptions& options) {
     throw InputError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
   }
   const CaseFile wanted = read_case_file(options.case_file);
-  const std::unique_ptr<FreeMotion> motion = wanted.torques.empty()
-                                                 ? make_free_motion(method(options.method), wanted.body, options)
-                                                 : make_torqued_motion(wanted, options);
+  const std::unique_ptr<FreeMotion> motion =
+      wanted.torques.empty() ? make_free_motion(wanted.body, options) : make_torqued_motion(wanted, options);
   const auto count = static_cast<Eigen::Index>(wanted.times_s.size());
   Eigen::Matrix4Xd quaternions(4, count);
   Eigen::Matrix3Xd momenta(3, count);

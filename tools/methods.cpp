@@ -1,12 +1,9 @@
-#include "polhode/motion/methods.hpp"
-
 #include <fmt/format.h>
 
 #include <iterator>
 
-#include "polhode/motion/rivals/rivals.hpp"
-
 #include "output.hpp"
+#include "rivals/registry.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -16,10 +13,10 @@ void add_methods(CLI::App& app) {
   command->footer("Examples:\n  polhode methods");
   command->callback([] {
     fmt::memory_buffer text;
-    for (const Method& m : methods()) {
+    for (const rivals::MeasuredMethod& m : rivals::measured_methods()) {
       fmt::format_to(std::back_inserter(text),
                      "{}\n  kind       {}\n  order      {}\n  conserves  {}\n  fails      {}\n  source     {}\n",
-                     m.name, m.kind, m.order, m.conserves, m.fails, m.source);
+                     m.name, m.kind, m.order, m.conserves.text, m.fails, m.source);
     }
     for (const rivals::AbsentMethod& absent : rivals::absent_methods()) {
       fmt::format_to(std::back_inserter(text), "{}\n  absent     this program was built without {}\n", absent.name,

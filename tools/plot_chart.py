@@ -38,18 +38,8 @@ STYLES = {
     "adaptive": dict(color="#7a4bb0", linestyle=(0, (3, 1, 1, 1)), marker="D", markersize=3),
     "quaternion": dict(color="#7f8790", linestyle=(0, (1.2, 1.2)), marker="v", markersize=3.8),
 }
-FAMILIES = {
-    "splitting": ["three-rotations", "top-rotation", "top-rotation-4", "top-rotation-6", "top-rotation-8"],
-    "moser-veselov": ["dmv", "dmv-6", "dmv-10", "implicit-midpoint"],
-    "lie group": ["rkmk-4", "commutator-free-4"],
-    "adaptive": ["taylor", "bulirsch-stoer", "fehlberg-78", "dormand-prince-5", "cvode-adams"],
-    "quaternion": ["rk4", "rk4-renormalised", "quaternion-1"],
-}
-
-
-def family(method):
-    return next((name for name, methods in FAMILIES.items() if method in methods), "exact")
-
+# Of families that nobody has given a style yet.
+OTHER_STYLE = dict(color="#a3791c", linestyle=(0, (6, 1, 1, 1)), marker="P", markersize=4)
 
 TORQUED_STYLES = {
     "to an accuracy": STYLES["exact"],
@@ -57,6 +47,11 @@ TORQUED_STYLES = {
     "other kernel": STYLES["moser-veselov"],
     "general": STYLES["adaptive"],
 }
+
+
+def styles_of(kinds, styles):
+    """`styles`, and one for every other kind among those of a table's rows."""
+    return styles | {str(kind): OTHER_STYLE for kind in dict.fromkeys(kinds) if kind not in styles}
 
 
 def power(exponent):
@@ -126,12 +121,7 @@ def place_labels(axes, labels, gap, widen=1.0):
         )
 
 
-INTEGRATOR_KINDS = [kind for kind in STYLES if kind != "exact"]
-
-
-def draw_speed_accuracy(
-    axes, table, cost_name, gap=0.17, headroom=4.5, widen=1.0, kind_of=family, styles=STYLES, rivals=INTEGRATOR_KINDS
-):
+def draw_speed_accuracy(axes, table, cost_name, kind_of, styles, rivals, gap=0.17, headroom=4.5, widen=1.0):
     """`kind_of(method)` is a key of `styles`; the grey front is that of the kinds `rivals` alone."""
     front_error, front_cost, labels = [], [], []
     integrator_error, integrator_cost = [], []
@@ -186,7 +176,7 @@ def title_of(table, body):
     return f"{body}: {seconds / length:.3g} {unit}, {turns:,.0f} turns"
 
 
-def family_legend(figure, styles=STYLES, rivals="front of the integrators", **where):
+def family_legend(figure, styles, rivals, **where):
     handles = [plt.Line2D([], [], linewidth=1.1, markeredgewidth=0, **style) for style in styles.values()]
     handles.append(plt.Line2D([], [], color=FRONT, linewidth=5, alpha=0.75))
     handles.append(plt.Line2D([], [], color=INTEGRATORS, linewidth=5))
@@ -214,6 +204,16 @@ def speed_accuracy(table, folder):
     many = max(table["instants"])
     comments = table.meta.get("comments", [])
     note = "   ".join(comments[1:3])
+    styles = styles_of(table["family"], STYLES)
+    look = dict(
+        kind_of=dict(zip(table["method"], table["family"])).get,
+        styles=styles,
+        rivals=[kind for kind in styles if kind != "exact"],
+    )
+
+    def legend(figure, columns):
+        family_legend(figure, styles, "front of the integrators", loc="lower center", ncol=columns)
+
     for instants in (many, 1):
         when = f"{many} instants over the span" if instants == many else "the last instant alone"
         for cost_name, (cost_label, tag) in COSTS.items():
@@ -226,7 +226,7 @@ def speed_accuracy(table, folder):
             figure.get_layout_engine().set(rect=(0, 0.055, 1, 0.915), w_pad=0.1, h_pad=0.12)
             for axes, body in zip(grid.flat, bodies):
                 part = table[(table["body"] == body) & (table["instants"] == instants)]
-                draw_speed_accuracy(axes, part, cost_name, gap=0.21)
+                draw_speed_accuracy(axes, part, cost_name, gap=0.21, **look)
                 axes.set_title(title_of(table, body), fontsize=10, color=INK, loc="left")
                 axes.set_xlabel("greatest attitude error, rad (better to the right)", fontsize=8)
                 axes.set_ylabel(cost_label, fontsize=8)
@@ -235,17 +235,17 @@ def speed_accuracy(table, folder):
                 axes.set_visible(False)
             title = f"Free rigid body: cost against accuracy, {when}"
             figure.suptitle(title, fontsize=13, color=INK, x=0.012, ha="left")
-            family_legend(figure, loc="lower center", ncol=8)
+            legend(figure, 8)
             figure.text(0.012, 0.004, note, fontsize=6, color=FAINT)
             save(figure, folder, f"speed-accuracy{suffix}")
     figure, axes = plt.subplots(figsize=(9, 6.2), layout="constrained")
     figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))
     part = table[(table["body"] == bodies[0]) & (table["instants"] == many)]
-    draw_speed_accuracy(axes, part, "time", gap=0.145)
+    draw_speed_accuracy(axes, part, "time", gap=0.145, **look)
     axes.set_title(f"{title_of(table, bodies[0])}, {many} instants", fontsize=11, color=INK, loc="left")
     axes.set_xlabel("greatest attitude error, rad (better to the right)")
     axes.set_ylabel("time per instant, ns")
-    family_legend(figure, loc="lower center", ncol=4)
+    legend(figure, 4)
     figure.text(0.99, 0.985, note, fontsize=5.5, color=FAINT, ha="right", va="top")
     save(figure, folder, "speed-accuracy-main")
     print(accuracy_table(table, bodies, many))
@@ -284,7 +284,8 @@ def torqued(table, folder):
     bodies = list(dict.fromkeys(table["body"]))
     many = max(table["instants"])
     comments = table.meta.get("comments", [])
-    look = dict(kind_of=kinds.get, styles=TORQUED_STYLES, rivals=["general"])
+    styles = styles_of(table["kind"], TORQUED_STYLES)
+    look = dict(kind_of=kinds.get, styles=styles, rivals=["general"])
 
     # What is lost is no answer, and no error can be told below that of the reference.
     table = table[table["attitude_error"] < 0.3]
@@ -300,7 +301,7 @@ def torqued(table, folder):
         axes.tick_params(labelsize=7.5)
 
     def legend(figure):
-        family_legend(figure, TORQUED_STYLES, "front of the general-purpose", loc="lower center", ncol=6)
+        family_legend(figure, styles, "front of the general-purpose", loc="lower center", ncol=6)
 
     for instants in dict.fromkeys((many, 1)):
         when = "the last instant alone" if instants == 1 else f"{instants} instants over the span"
@@ -466,13 +467,13 @@ def stability(table, folder):
         save(figure, folder, f"stability-{name}")
 
 
-TEXTS = ("body", "kind", "map", "method", "outcome")
+TEXTS = ("body", "family", "kind", "map", "method", "outcome")
 DRAWINGS = {  # by a column that only this table has: what draws it, and what else it needs
     "outcome": (stability, "map x y method digits_lost"),
     "evaluations_per_turn": (
         torqued, "body kind method instants span turns attitude_error reference_error time_per_turn"
     ),
-    "attitude_error": (speed_accuracy, "body method instants span turns step tolerance time evaluations"),
+    "attitude_error": (speed_accuracy, "body family method instants span turns step tolerance time evaluations"),
 }  # fmt: skip
 
 

@@ -30,6 +30,7 @@
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
+#include "rivals/registry.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"
 #include "whole_number.hpp"
@@ -281,7 +282,7 @@ void propagate(PropagateOptions options) {
   const Frame out_frame = scene ? scene->frame : inertial_frame(options.frame);
   const TimeScale scale = time_scale(options.scale);
   const FreeBody free = in_file(options.body_file, [&] { return free_body(body, out_frame); });
-  const Method& chosen = method(options.method);
+  const Method& chosen = rivals::measured_method(options.method);
   PlannedMotion planned;  // of a scene
   if (scene) {
     const Plan plan = in_file(options.body_file, [&] {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "polhode/motion/methods.hpp"
+#include "rivals/registry.hpp"
 #include "support/truth.hpp"
 
 namespace polhode {
@@ -71,7 +71,7 @@ void register_all() {
   for (const char* name : kCases) {
     const auto c = std::find_if(cases.begin(), cases.end(), [name](const auto& one) { return one.name == name; });
     if (c == cases.end()) throw std::runtime_error(std::string("no case ") + name);
-    for (const Method& one : methods()) {
+    for (const rivals::MeasuredMethod& one : rivals::measured_methods()) {
       if (one.kind != "exact") continue;
       const std::string end = fmt::format("/{}/{}", one.name, name);
       benchmark::RegisterBenchmark(fmt::format("batch{}", end).c_str(),

@@ -4,6 +4,20 @@ set(build ${WORK_DIR}/consumer-build)
 file(REMOVE_RECURSE ${prefix} ${build})
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix}
   OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)
+# The library alone, without what it is measured against, and without what that needs.
+file(GLOB_RECURSE installed RELATIVE ${prefix} ${prefix}/*)
+list(FILTER installed INCLUDE REGEX "rivals|survey|odeint|celledoni")
+if(installed)
+  message(FATAL_ERROR "installed, and not of the library: ${installed}")
+endif()
+file(GLOB_RECURSE packages ${prefix}/*.cmake)
+foreach(package ${packages})
+  file(READ ${package} text)
+  if(text MATCHES "[Ss]undials|SUNDIALS|[Bb]oost")
+    message(FATAL_ERROR "${package} asks users for ${CMAKE_MATCH_0}")
+  endif()
+endforeach()
+
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${CONSUMER_DIR} -B ${build} -G ${GENERATOR}
   -D CMAKE_PREFIX_PATH=${prefix} -D CMAKE_BUILD_TYPE=${BUILD_TYPE} -D CMAKE_CXX_COMPILER=${CXX_COMPILER}
   -D "CMAKE_CXX_FLAGS_DEBUG=${CXX_FLAGS_DEBUG}"

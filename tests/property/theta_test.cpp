@@ -13,7 +13,7 @@
 
 #include "polhode/body/inertia.hpp"
 #include "polhode/motion/events.hpp"
-#include "polhode/motion/kinematics.hpp"
+#include "polhode/motion/state_rates.hpp"
 
 namespace polhode {
 namespace {
@@ -236,7 +236,7 @@ TEST(ThetaProperty, ObeysTheEquationsOfMotion) {  // central differences of orde
       m_rate += weights[k - 1] * (later.momentum_body - earlier.momentum_body) / h;
     }
     const FreeState s = motion.at(t);
-    const Kinematics k = kinematics(b.principal_moments, s);
+    const StateRates k = state_rates(b.principal_moments, s);
     worst.add((q_rate - k.q_rate_scalar_first_s).norm() / bound, n);
     worst.add((m_rate - s.momentum_body.cross(k.omega_body_rad_s)).norm() / (bound * s.momentum_body.norm()), n);
     const Vector3 torque_free = b.principal_moments.cwiseProduct(k.omega_rate_body_rad_s2);
@@ -526,8 +526,8 @@ TEST(ThetaEvents, FlipsAreWhereTheMiddleMomentumVanishes) {
       if (k > 0) {
         ASSERT_NEAR(next - t, rates.polhode_period_s / 2, 1e-12 * next) << n;
       }
-      const double rate =
-          std::abs(kinematics(b.principal_moments, motion.at(next)).omega_rate_body_rad_s2[1]) * b.principal_moments[1];
+      const double rate = std::abs(state_rates(b.principal_moments, motion.at(next)).omega_rate_body_rad_s2[1]) *
+                          b.principal_moments[1];
       ASSERT_LE(std::abs(motion.at(next).momentum_body[1]), 8 * kEps * (b.momentum_body.norm() + rate * next)) << n;
       t = next;
     }

@@ -22,18 +22,19 @@
 #include "polhode/ephemeris/ephemeris.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
 #include "polhode/frames/frame.hpp"
-#include "polhode/motion/celledoni.hpp"
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/events.hpp"
 #include "polhode/motion/kicked_motion.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/planner.hpp"
-#include "polhode/motion/rivals/reference.hpp"
-#include "polhode/motion/rivals/torqued.hpp"
 #include "polhode/motion/splitting.hpp"
 #include "polhode/motion/theta.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/time/leap_seconds.hpp"
+#include "rivals/celledoni.hpp"
+#include "rivals/reference.hpp"
+#include "rivals/registry.hpp"
+#include "rivals/torqued_methods.hpp"
 
 namespace polhode {
 namespace {
@@ -83,7 +84,7 @@ TEST(Arguments, ABodyThatIsNoneMakesNoMotion) {
   const Torques torques = constant_torque();
   for (const FreeBody& body : impossible_bodies()) {
     EXPECT_THROW(checked(body), InputError);
-    for (const Method& method : methods()) {
+    for (const rivals::MeasuredMethod& method : rivals::measured_methods()) {
       EXPECT_THROW(method.make(body), InputError) << method.name;
       if (method.make_short != nullptr) {
         EXPECT_THROW(method.make_short(body), InputError) << method.name;
@@ -96,9 +97,9 @@ TEST(Arguments, ABodyThatIsNoneMakesNoMotion) {
     EXPECT_THROW(KickedMotion::make(body, torques, {1e-2, 0.0, 1e5}), InputError);
     EXPECT_THROW(KickedMotion::predicted_evaluations(body, torques, {1e-2, 0.0, 1e5}), InputError);
     EXPECT_THROW(plan_motion(body, torques, 0.0, 10.0, 1e-3), InputError);
-    EXPECT_THROW(SplittingRun(body, 0.0, torques, splitting_scheme("strang")), InputError);
+    EXPECT_THROW(SplittingRun(body, 0.0, torques, kStrang), InputError);
     EXPECT_THROW(condition_number(method("theta").make, body, 1.0), InputError);
-    EXPECT_THROW(rivals::Reference(rivals::extended(body), 0.0, 1.0), InputError);
+    EXPECT_THROW(rivals::QuadrupleReference(rivals::in_quadruple(body), 0.0, 1.0), InputError);
     for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
       EXPECT_THROW(rivals::IntegratedMotion(body, torques, {}, method.run, method.scheme), InputError) << method.name;
     }
@@ -114,14 +115,14 @@ TEST(Arguments, SpansTolerancesAndStepsAreChecked) {
     EXPECT_THROW(TorquedMotion(kBody, torques, {1e-6, first_s, last_s}), InputError);
     EXPECT_THROW(KickedMotion::make(kBody, torques, {1e-2, first_s, last_s}), InputError);
     EXPECT_THROW(plan_motion(kBody, torques, first_s, last_s, 1e-3), InputError);
-    EXPECT_THROW(rivals::Reference(rivals::extended(kBody), first_s, last_s), InputError);
+    EXPECT_THROW(rivals::QuadrupleReference(rivals::in_quadruple(kBody), first_s, last_s), InputError);
   }
   for (const double tolerance : {0.0, -1e-9, kNan, kInf}) {
     EXPECT_THROW(TorquedMotion(kBody, torques, {tolerance, 0.0, 10.0}), InputError);
     EXPECT_THROW(KickedMotion::make(kBody, torques, {tolerance, 0.0, 10.0}), InputError);
     EXPECT_THROW(plan_motion(kBody, torques, 0.0, 10.0, tolerance), InputError);
   }
-  for (const Method& method : methods()) {
+  for (const rivals::MeasuredMethod& method : rivals::measured_methods()) {
     if (method.make_controlled == nullptr) continue;
     for (const double bad : {-1.0, kNan, kInf}) {
       EXPECT_THROW(method.make_controlled(kBody, {.step_s = bad}), InputError) << method.name;
@@ -244,7 +245,7 @@ TEST(Arguments, OrbitsThatAreNoneAreRefused) {
 
 TEST(Arguments, ATimeThatIsNotFiniteGivesNan) {
   const std::vector<double> times{1.0, kNan, -2.0, kInf, 3.0, -kInf, 2.0};
-  for (const Method& method : methods()) {
+  for (const rivals::MeasuredMethod& method : rivals::measured_methods()) {
     const auto motion = method.make(kBody);
     std::vector<double> q(4 * times.size()), m(3 * times.size());
     motion->batch({times}, StateArrays::of_structures(q.data(), m.data()));
@@ -286,7 +287,7 @@ TEST(Arguments, LowPartsOfTimesAreAsManyAsTheTimes) {
   const std::vector<double> high{1.0, 2.0, 3.0}, low{0.0, 0.0};
   std::vector<double> q(12), m(9);
   const StateArrays out = StateArrays::of_structures(q.data(), m.data());
-  for (const Method& method : methods()) {
+  for (const rivals::MeasuredMethod& method : rivals::measured_methods()) {
     EXPECT_THROW(method.make(kBody)->batch({high, low}, out), InputError) << method.name;
     EXPECT_THROW(batch_threads(*method.make(kBody), {high, low}, out), InputError) << method.name;
   }
@@ -339,7 +340,7 @@ TEST(Arguments, NothingPointsIntoWhatTheCallerFreed) {
   name->assign("xxxxxxxxxxxxx");  // where the name stood
   name.reset();
   EXPECT_EQ(method, "extrapolation");
-  SplittingRun run(kBody, 0.0, constant_torque(), splitting_scheme("strang"));  // of torques that are gone
+  SplittingRun run(kBody, 0.0, constant_torque(), kStrang);  // of torques that are gone
   run.step(0.1);
   EXPECT_TRUE(run.state().momentum_body.allFinite());
   static_assert(!std::is_constructible_v<Extrapolation<double>, Vector3, Torques>);

@@ -10,10 +10,10 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/kicked_motion.hpp"
 #include "polhode/motion/planner.hpp"
-#include "polhode/motion/rivals/torqued.hpp"
 #include "polhode/motion/splitting.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/body.hpp"
+#include "rivals/torqued_methods.hpp"
 
 namespace polhode {
 namespace {
@@ -81,10 +81,12 @@ TEST(BodyAxes, TorquesAreInTheNamedAxesOfTheBodyForEveryPropagator) {
   const TorquedMotion elsewhere(mistaken, torques, {1e-9, 0.0, last_s});
   EXPECT_GT(off_rad(named_state(free, elsewhere.at(last_s)), truth), 1e-3);
 
-  for (const char* method : {"auto", "variation", "extrapolation", "extrapolation-double", "near-10-6-4"}) {
+  for (const std::string_view method : torqued_motion_methods()) {
     const TorquedMotion motion(free, torques, {1e-9, 0.0, last_s, method});
     EXPECT_LT(off_rad(named_state(free, motion.at(last_s)), truth), 1e-7) << method;
   }
+  const TorquedMotion split(free, torques, {.tolerance_rad = 1e-9, .last_s = last_s, .splitting = &kNear1064});
+  EXPECT_LT(off_rad(named_state(free, split.at(last_s)), truth), 1e-7);
   const Plan plan = plan_motion(free, torques, 0.0, last_s, 1e-8);
   EXPECT_LT(off_rad(named_state(free, planned_motion(plan, free, 0.0, last_s).motion->at(last_s)), truth), 1e-7);
   for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {
@@ -93,7 +95,7 @@ TEST(BodyAxes, TorquesAreInTheNamedAxesOfTheBodyForEveryPropagator) {
     EXPECT_LT(off_rad(named_state(free, motion.at(last_s)), truth), 1e-6) << method.name;
   }
   const Torques steady({torques.list()[0], torques.list()[3]});
-  SplittingRun run(free, 0.0, steady, splitting_scheme("near-10-6-4"));
+  SplittingRun run(free, 0.0, steady, kNear1064);
   for (int i = 0; i < 100; ++i) run.step(2.0);
   EXPECT_LT(off_rad(named_state(free, run.state()), integrated(body, steady, last_s, 4000)), 1e-7);
 }

@@ -14,11 +14,15 @@
 #include <numbers>
 #include <vector>
 
-#include "polhode/motion/celledoni.hpp"
 #include "polhode/motion/legendre.hpp"
+#include "rivals/celledoni.hpp"
 
 namespace polhode {
 namespace {
+
+using rivals::EulerSolution;
+using rivals::make_cfsz_quaternion;
+using rivals::make_matrix_basis;
 
 using boost::math::ellint_1;
 using boost::math::ellint_3;

@@ -1,11 +1,15 @@
-"""Holds the library to its data flow: include_check.py LIB_DIR COMPILER [FLAG...]
+"""Holds the library and its rivals to their data flow: include_check.py LIB_DIR COMPILER [FLAG...]
 
-- No folder of LIB_DIR/polhode includes upwards (ALLOWED below).
+- No folder of LIB_DIR/polhode includes upwards (ALLOWED below); LIB_DIR/rivals includes the library, the library nothing
+  of it.
 - Wrapped libraries are included by .cpp files only, so that users of our headers need none of them.
+- One name for each thing: what a header calls a type is no other type in LIB_DIR, no type or function hides one of a
+  namespace around it, and no header of the rivals is called as one of the library.
 - Every header compiles on its own. One that comes first in the .cpp of the same name has shown that in the build; the
   others are compiled here, with COMPILER FLAG....
 """
 
+import collections
 import concurrent.futures
 import os
 import pathlib
@@ -17,29 +21,79 @@ UPWARDS = ["base", "elliptic", "time", "frames", "body", "torque", "motion"]
 BODY_AND_BELOW = UPWARDS[: UPWARDS.index("body") + 1]
 # What each folder may include: whole folders, or single headers with plain structs.
 ALLOWED = {folder: UPWARDS[: i + 1] for i, folder in enumerate(UPWARDS)} | {
-    "survey": UPWARDS + ["survey"],
     "ephemeris": BODY_AND_BELOW + ["ephemeris"],
     "read": BODY_AND_BELOW + ["torque", "ephemeris", "read", "motion/motion.hpp"],
     "write": BODY_AND_BELOW + ["ephemeris", "write"],
+    "rivals": UPWARDS + ["rivals"],
+    "rivals/survey": UPWARDS + ["rivals", "rivals/survey"],
 }
-WRAPPED = re.compile(r"(erfa\w*\.h|fitsio\d?\.h|toml\+\+/.*|pugixml\.hpp|nlohmann/.*|CLI/.*|sundials/.*)")
+WRAPPED = re.compile(r"(erfa\w*\.h|fitsio\d?\.h|toml\+\+/.*|pugixml\.hpp|nlohmann/.*|CLI/.*|sundials/.*|boost/.*)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 
 
+def folder_of(path):
+    """Of polhode/FOLDER/.../NAME the FOLDER; rivals and rivals/survey go by both parts."""
+    parts = pathlib.PurePosixPath(path).parts
+    return parts[1] if parts[0] == "polhode" else "/".join(parts[:-1])
+
+
 def faults(path, text):
-    """The rules that a file breaks. `path` is relative to LIB_DIR: polhode/FOLDER/NAME."""
-    folder = path.parts[1]
+    """The rules about includes that a file breaks. `path` is relative to LIB_DIR."""
+    folder = folder_of(path.as_posix())
     for bracket, include in INCLUDE.findall(text):
-        if include.startswith("polhode/"):
-            other = include.removeprefix("polhode/")
+        if include.startswith(("polhode/", "rivals/")):
             if folder not in ALLOWED:
                 yield f"{path}: the folder {folder} is not in include_check.py"
-            elif other.split("/")[0] not in ALLOWED[folder] and other not in ALLOWED[folder]:
+            elif folder_of(include) not in ALLOWED[folder] and include.removeprefix("polhode/") not in ALLOWED[folder]:
                 yield f"{path}: {folder} may not include {include}"
         elif bracket == '"':
-            yield f'{path}: "{include}" is not written as "polhode/FOLDER/NAME"'
+            yield f'{path}: "{include}" is not written as "polhode/FOLDER/NAME" or "rivals/NAME"'
         elif path.suffix == ".hpp" and WRAPPED.fullmatch(include):
             yield f"{path}: {include} belongs in a .cpp file"
+
+
+NAMESPACE = re.compile(r"^(?:inline )?namespace ?([\w:]*) ?\{")
+TYPE = re.compile(r"^(?:struct|class|enum class) (\w+)(?: final)?(?: : [^{;]*)? ?\{")
+FUNCTION = re.compile(
+    r"^(?!return|using|namespace|template|typedef|static_assert|extern template|else)(?:[\w:<>,*&\[\]]+ )+[*&]*(\w+)\("
+)
+
+
+def names(path, text):
+    """What a file defines outside of classes: (namespace, name, whether it is a type)."""
+    inside = []
+    for line in text.splitlines():
+        if begin := NAMESPACE.match(line):
+            inside.append(begin.group(1) or f"unnamed in {path}")
+        elif line.startswith("}  // namespace") and inside:
+            inside.pop()
+        elif found := TYPE.match(line) or FUNCTION.match(line):
+            yield "::".join(inside), found.group(1), found.re is TYPE
+
+
+def confusions(texts):
+    """The rules about names that files, texts by their paths, break together."""
+    homes = collections.defaultdict(set)  # of a type's name
+    places = collections.defaultdict(set)  # of a namespace's name, in headers
+    for path, text in texts.items():
+        for namespace, name, is_type in names(path, text):
+            if is_type:
+                homes[name].add(path)
+            if path.suffix == ".hpp":
+                places[namespace, name].add(path)
+    for name, paths in homes.items():
+        if len(paths) > 1 and any(path.suffix == ".hpp" for path in paths):
+            yield f"there is more than one type {name}: {', '.join(sorted(map(str, paths)))}"
+    library = {path.name for path in texts if path.parts[0] == "polhode" and path.suffix == ".hpp"}
+    for path in texts:
+        if path.parts[0] == "rivals" and path.name in library:
+            yield f"{path} is called as a header of polhode"
+    for (namespace, name), paths in places.items():
+        around = namespace
+        while "::" in around:
+            around = around.rpartition("::")[0]
+            if (around, name) in places:
+                yield f"{min(paths)}: {namespace}::{name} hides {around}::{name} of {min(places[around, name])}"
 
 
 def check_the_rules():
@@ -55,8 +109,27 @@ def check_the_rules():
         ("polhode/read/a.hpp", "#include <toml++/toml.h>", True),
         ("polhode/base/a.cpp", '#include "error.hpp"', True),
         ("polhode/nowhere/a.cpp", '#include "polhode/base/error.hpp"', True),
+        ("polhode/motion/a.cpp", '#include "rivals/registry.hpp"', True),
+        ("rivals/a.cpp", '#include "polhode/motion/theta.hpp"', False),
+        ("rivals/a.cpp", '#include "polhode/read/body.hpp"', True),
+        ("rivals/a.cpp", '#include "rivals/survey/measure.hpp"', True),
+        ("rivals/survey/a.cpp", '#include "rivals/registry.hpp"', False),
     ]:
         assert bool(list(faults(pathlib.Path(path), text))) == wrong, (path, text)
+    for folder, others in ALLOWED.items():
+        for other in others:
+            assert other == folder or folder not in ALLOWED.get(other, []), f"{folder} and {other} are a circle"
+
+    same_name = {pathlib.Path("polhode/body/a.hpp"): "", pathlib.Path("rivals/a.hpp"): ""}
+    assert list(confusions(same_name))
+    a = "namespace polhode {\nstruct A {\n};\nint f(double x);\n}  // namespace polhode\n"
+    for path, text, wrong in [
+        ("b.hpp", "namespace polhode {\nint f(int x);\nstruct A;\nstruct B {\n  int f();\n};\n", False),
+        ("b.cpp", "namespace polhode {\nnamespace {\nstruct A final : B {\n};\n", True),
+        ("b.hpp", "namespace polhode::rivals {\ninline const A* f(int x) {\n", True),
+        ("b.hpp", "namespace polhode {\n}  // namespace polhode\nnamespace other {\nint f();\n", False),
+    ]:
+        assert bool(list(confusions({pathlib.Path("a.hpp"): a, pathlib.Path(path): text}))) == wrong, (path, text)
 
 
 def shown_by_the_build(lib, header):
@@ -69,8 +142,9 @@ def shown_by_the_build(lib, header):
 def main():
     check_the_rules()
     lib, compiler = pathlib.Path(sys.argv[1]), sys.argv[2:]
-    paths = sorted(p.relative_to(lib) for p in lib.glob("polhode/*/**/*") if p.suffix in (".hpp", ".cpp"))
-    found = [fault for path in paths for fault in faults(path, (lib / path).read_text())]
+    paths = sorted(p.relative_to(lib) for p in lib.glob("*/**/*") if p.suffix in (".hpp", ".cpp"))
+    texts = {path: (lib / path).read_text() for path in paths}
+    found = [fault for path, text in texts.items() for fault in faults(path, text)] + list(confusions(texts))
 
     def compiles(header):
         run = subprocess.run(

@@ -74,7 +74,7 @@ std::vector<FreeState> accurate_states(const FreeBody& body, const Torques& torq
                                        double step_rad) {
   const double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
   const auto steps = static_cast<int>(std::ceil(last_s / parts * rate / step_rad));
-  SplittingRun run(body, 0.0, torques, splitting_scheme("near-10-6-4"));
+  SplittingRun run(body, 0.0, torques, kNear1064);
   std::vector<FreeState> states;
   for (int part = 0; part < parts; ++part) {
     for (int i = 0; i < steps; ++i) run.step(last_s / parts / steps);

@@ -6,45 +6,55 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <set>
 #include <sstream>
 
 #include "polhode/base/error.hpp"
-#include "polhode/motion/rivals/discrete_moser_veselov.hpp"
-#include "polhode/motion/rivals/implicit_midpoint.hpp"
-#include "polhode/motion/rivals/integrated_motion.hpp"
-#include "polhode/motion/rivals/lie_group.hpp"
-#include "polhode/motion/rivals/quaternion_steps.hpp"
-#include "polhode/motion/rivals/reference.hpp"
-#include "polhode/motion/rivals/rivals.hpp"
-#include "polhode/motion/rivals/splitting.hpp"
-#include "polhode/motion/rivals/torqued.hpp"
 #include "polhode/motion/theta.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
+#include "rivals/discrete_moser_veselov.hpp"
+#include "rivals/implicit_midpoint.hpp"
+#include "rivals/integrated_motion.hpp"
+#include "rivals/lie_group.hpp"
+#include "rivals/quaternion_steps.hpp"
+#include "rivals/reference.hpp"
+#include "rivals/registry.hpp"
+#include "rivals/rotation_splittings.hpp"
+#include "rivals/torqued_methods.hpp"
 
 namespace polhode::rivals {
 namespace {
 
-double as_double(Extended a) { return static_cast<double>(a); }
+/// The methods that are controlled.
+std::vector<MeasuredMethod> integrators() {
+  std::vector<MeasuredMethod> list;
+  std::copy_if(measured_methods().begin(), measured_methods().end(), std::back_inserter(list),
+               [](const MeasuredMethod& m) { return m.make_controlled != nullptr; });
+  return list;
+}
+
+double as_double(Quadruple a) { return static_cast<double>(a); }
 
 /// 34 decimal digits.
-Extended parse(const std::string& text) {
+Quadruple parse(const std::string& text) {
   std::size_t i = 0;
   const bool negative = text[i] == '-';
   if (negative) ++i;
-  Extended value = 0;
+  Quadruple value = 0;
   int exponent = 0;
   for (bool fraction = false; i < text.size() && text[i] != 'e'; ++i) {
     if (text[i] == '.') {
       fraction = true;
       continue;
     }
-    value = value * Extended(10) + Extended(text[i] - '0');
+    value = value * Quadruple(10) + Quadruple(text[i] - '0');
     if (fraction) --exponent;
   }
   if (i < text.size()) exponent += std::stoi(text.substr(i + 1));
-  Extended scale = 1;
-  for (int n = std::abs(exponent); n > 0; --n) scale *= Extended(10);
+  Quadruple scale = 1;
+  for (int n = std::abs(exponent); n > 0; --n) scale *= Quadruple(10);
   value = exponent < 0 ? value / scale : value * scale;
   return negative ? -value : value;
 }
@@ -58,16 +68,16 @@ double angle_between(const Real a[4], const Real b[4]) {
 
 CaseFile case_file(const std::string& name) { return read_case_file(POLHODE_DATA_DIR "/truth/dev/" + name + ".case"); }
 
-Reference reference_of(const CaseFile& wanted) {
+QuadrupleReference reference_of(const CaseFile& wanted) {
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
-  return Reference(extended(wanted.body), std::min(*first, 0.0), std::max(*last, 0.0));
+  return QuadrupleReference(in_quadruple(wanted.body), std::min(*first, 0.0), std::max(*last, 0.0));
 }
 
 /// Rows of a truth file: q, m, kappa.
 struct TruthRow {
   double t;
-  Extended q[4];
-  Extended m[3];
+  Quadruple q[4];
+  Quadruple m[3];
   double kappa;
 };
 
@@ -89,7 +99,7 @@ std::vector<TruthRow> truth_of(const std::string& name) {
   return rows;
 }
 
-TEST(Reference, AgreesWithTheTabulatedTruthToItsLastDigits) {
+TEST(QuadrupleReference, AgreesWithTheTabulatedTruthToItsLastDigits) {
   constexpr double units_in_the_last_place = 1e4;
   double worst = 0.0;
   std::string where = "nowhere";
@@ -98,21 +108,21 @@ TEST(Reference, AgreesWithTheTabulatedTruthToItsLastDigits) {
     if (entry.path().extension() != ".case") continue;
     const std::string name = entry.path().stem().string();
     const CaseFile wanted = case_file(name);
-    const Reference reference = reference_of(wanted);
+    const QuadrupleReference reference = reference_of(wanted);
     for (const TruthRow& row : truth_of(name)) {
       if (row.kappa > 1e16) {  // a double of the inputs determines nothing
         ++undetermined;
         continue;
       }
       ++rows;
-      const State<Extended> y = reference.at(row.t);
+      const ScaledState<Quadruple> y = reference.at(row.t);
       double error = angle_between(row.q, y.q);
-      Extended square = 0;
-      const Extended scale = std::max(1e-300, wanted.body.momentum_body.cwiseAbs().maxCoeff());
-      for (const Extended& m : row.m) square += (m / scale) * (m / scale);
-      const Extended momentum = square > Extended(0) ? square_root(square) * scale : Extended(1);
+      Quadruple square = 0;
+      const Quadruple scale = std::max(1e-300, wanted.body.momentum_body.cwiseAbs().maxCoeff());
+      for (const Quadruple& m : row.m) square += (m / scale) * (m / scale);
+      const Quadruple momentum = square > Quadruple(0) ? square_root(square) * scale : Quadruple(1);
       for (int i = 0; i < 3; ++i) error = std::max(error, std::abs(as_double(row.m[i] / momentum - y.m[i])));
-      const double scaled = error / (extended_epsilon * std::max(1.0, row.kappa));
+      const double scaled = error / (quadruple_epsilon * std::max(1.0, row.kappa));
       if (!(scaled <= worst)) {
         worst = scaled;
         where = name + " t " + std::to_string(row.t);
@@ -125,7 +135,7 @@ TEST(Reference, AgreesWithTheTabulatedTruthToItsLastDigits) {
   EXPECT_LE(worst, units_in_the_last_place) << where;
 }
 
-TEST(Reference, ConditionNumbersAreThoseOfTheTruth) {
+TEST(QuadrupleReference, ConditionNumbersAreThoseOfTheTruth) {
   for (const std::string name : {"sam-01", "lam-02", "nearsep-03", "nearprin2-04", "needle-01", "nearsphere-03"}) {
     const CaseFile wanted = case_file(name);
     const std::vector<double> kappas = condition_numbers(wanted.body, wanted.times_s);
@@ -138,81 +148,90 @@ TEST(Reference, ConditionNumbersAreThoseOfTheTruth) {
   }
 }
 
+// --- The registry
+// ---------------------------------------------------------------------------------------------------------
+
+TEST(Registry, TheLibrarysMethodsComeFirstAndEveryRowIsFilled) {
+  std::set<std::string_view> names;
+  for (const MeasuredMethod& m : measured_methods()) {
+    EXPECT_TRUE(names.insert(m.name).second) << m.name;
+    EXPECT_EQ(&measured_method(m.name), &m);
+    EXPECT_NE(m.make, nullptr) << m.name;
+    for (const std::string_view text : {m.kind, m.family, m.order, m.conserves.text, m.fails, m.source}) {
+      EXPECT_FALSE(text.empty()) << m.name;
+    }
+    EXPECT_EQ(m.kind == "exact", m.make_controlled == nullptr) << m.name;
+  }
+  for (std::size_t i = 0; i < methods().size(); ++i) EXPECT_EQ(measured_methods()[i].name, methods()[i].name);
+  EXPECT_EQ(&measured_method("auto"), &measured_methods().front());
+}
+
+TEST(Registry, AnUnknownNameIsRefusedWithTheAllowedOnes) {
+  try {
+    measured_method("runge");
+    FAIL();
+  } catch (const InputError& error) {
+    for (const std::string_view part : {"'runge'", "auto, theta, legendre, matrix-basis", "taylor", "quaternion-1"}) {
+      EXPECT_NE(std::string_view(error.what()).find(part), std::string_view::npos) << error.what();
+    }
+  }
+}
+
 // --- Orders
 // -----------------------------------------------------------------------------------------------------------
 
 /// Greatest error of attitude and momentum after `steps` steps of `span`, in quadruple precision.
-template <template <class> class Scheme>
-double error_after(const ExtendedBody& body, double span, std::int64_t steps) {
-  InverseMoments<Extended> x;
-  State<Extended> y;
-  for (int i = 0; i < 3; ++i) x.x[i] = Extended(1) / body.moments[i];
+double error_after(const MeasuredMethod& method, const QuadrupleBody& body, double span, std::int64_t steps,
+                   const ScaledState<Quadruple>& exact) {
+  InverseMoments<Quadruple> x;
+  ScaledState<Quadruple> y;
+  for (int i = 0; i < 3; ++i) x.x[i] = Quadruple(1) / body.moments[i];
   for (int i = 0; i < 4; ++i) y.q[i] = body.q[i];
   for (int i = 0; i < 3; ++i) y.m[i] = body.m[i];
-  Scheme<Extended> scheme(x, y, Extended(span) / Extended(static_cast<double>(steps)));
-  scheme.advance(y, steps);
-  const State<Extended> exact = Reference(body, 0.0, span).at(span);
+  method.advance_in_quadruple(x, y, Quadruple(span) / Quadruple(static_cast<double>(steps)), steps);
   double error = angle_between(exact.q, y.q);
   for (int i = 0; i < 3; ++i) error = std::max(error, std::abs(as_double(exact.m[i] - y.m[i])));
   return error;
 }
 
 /// A body with |m| = 1 and every component of everything in play.
-ExtendedBody generic_body() {
-  ExtendedBody body{{Extended(0.6), Extended(1.0), Extended(1.3)},
-                    {Extended(0.5), Extended(-0.5), Extended(0.5), Extended(0.5)},
-                    {Extended(0.48), Extended(0.6), Extended(0.64)}};
-  Extended square = 0;
-  for (const Extended& m : body.m) square += m * m;
-  for (Extended& m : body.m) m /= square_root(square);
+QuadrupleBody generic_body() {
+  QuadrupleBody body{{Quadruple(0.6), Quadruple(1.0), Quadruple(1.3)},
+                     {Quadruple(0.5), Quadruple(-0.5), Quadruple(0.5), Quadruple(0.5)},
+                     {Quadruple(0.48), Quadruple(0.6), Quadruple(0.64)}};
+  Quadruple square = 0;
+  for (const Quadruple& m : body.m) square += m * m;
+  for (Quadruple& m : body.m) m /= square_root(square);
   return body;
 }
 
-template <template <class> class Scheme>
-void expect_order(const char* name, int nominal, std::int64_t steps) {
-  const ExtendedBody body = generic_body();
-  constexpr double span = 8.0;
-  const double coarse = error_after<Scheme>(body, span, steps), fine = error_after<Scheme>(body, span, 2 * steps);
-  const double order = std::log2(coarse / fine);
-  std::printf("%-22s nominal %2d measured %6.3f  (%.2e -> %.2e)\n", name, nominal, order, coarse, fine);
-  EXPECT_EQ(Scheme<Extended>::order, nominal) << name;
-  EXPECT_NEAR(order, nominal, 0.2) << name;
-}
-
-template <class Real>
-using TopAndRotation2 = TopAndRotation<Real, 2>;
-template <class Real>
-using TopAndRotation4 = TopAndRotation<Real, 4>;
-template <class Real>
-using TopAndRotation6 = TopAndRotation<Real, 6>;
-template <class Real>
-using TopAndRotation8 = TopAndRotation<Real, 8>;
-template <class Real>
-using DiscreteMoserVeselov2 = DiscreteMoserVeselov<Real, 2>;
-template <class Real>
-using DiscreteMoserVeselov6 = DiscreteMoserVeselov<Real, 6>;
-template <class Real>
-using DiscreteMoserVeselov10 = DiscreteMoserVeselov<Real, 10>;
-template <class Real>
-using PlainRungeKutta4 = ClassicalRungeKutta4<Real, false>;
-template <class Real>
-using RenormalisedRungeKutta4 = ClassicalRungeKutta4<Real, true>;
-
+/// Every row of the registry that says to have fixed steps of an order: halved steps show it, once they are so short
+/// that the error's next power is small beside the first (two measured orders agree).
 TEST(Rivals, FixedStepMethodsHaveTheirOrder) {
-  expect_order<ThreeRotations>("three-rotations", 2, 200);
-  expect_order<TopAndRotation2>("top-rotation", 2, 200);
-  expect_order<TopAndRotation4>("top-rotation-4", 4, 100);
-  expect_order<TopAndRotation6>("top-rotation-6", 6, 50);
-  expect_order<TopAndRotation8>("top-rotation-8", 8, 12);
-  expect_order<DiscreteMoserVeselov2>("dmv", 2, 200);
-  expect_order<DiscreteMoserVeselov6>("dmv-6", 6, 100);
-  expect_order<DiscreteMoserVeselov10>("dmv-10", 10, 100);
-  expect_order<ImplicitMidpoint>("implicit-midpoint", 2, 200);
-  expect_order<RungeKuttaMuntheKaas4>("rkmk-4", 4, 200);
-  expect_order<CommutatorFree4>("commutator-free-4", 4, 200);
-  expect_order<PlainRungeKutta4>("rk4", 4, 200);
-  expect_order<RenormalisedRungeKutta4>("rk4-renormalised", 4, 200);
-  expect_order<FirstOrderQuaternion>("quaternion-1", 1, 20000);
+  const QuadrupleBody body = generic_body();
+  constexpr double span = 8.0;
+  constexpr std::int64_t fewest_steps = 12, most_steps = 100000;
+  const ScaledState<Quadruple> exact = QuadrupleReference(body, 0.0, span).at(span);
+  int measured = 0;
+  for (const MeasuredMethod& method : measured_methods()) {
+    EXPECT_EQ(method.fixed_step(), method.advance_in_quadruple != nullptr) << method.name;
+    if (!method.fixed_step()) continue;
+    ++measured;
+    EXPECT_EQ(method.order, std::to_string(method.fixed_order)) << method.name;
+    double coarse = error_after(method, body, span, fewest_steps, exact), order = NAN, before = NAN;
+    std::int64_t steps = fewest_steps;
+    do {
+      steps *= 2;
+      const double fine = error_after(method, body, span, steps, exact);
+      before = order;
+      order = std::log2(coarse / fine);
+      coarse = fine;
+    } while (steps < most_steps && !(coarse < 1e-2 && std::abs(order - before) < 0.1));
+    std::printf("%-22s order %2d measured %6.3f at %ld steps, error %.2e\n", std::string(method.name).c_str(),
+                method.fixed_order, order, static_cast<long>(steps), coarse);
+    EXPECT_NEAR(order, method.fixed_order, 0.2) << method.name;
+  }
+  EXPECT_GE(measured, 14);
 }
 
 // --- What they keep, and what they do not
@@ -233,13 +252,13 @@ Errors errors_of(const FreeMotion& motion, const FreeBody& body, const std::vect
   std::vector<double> q(4 * times.size()), m(3 * times.size());
   motion.batch({times}, StateArrays::of_structures(q.data(), m.data()));
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
-  const Reference reference(extended(body), std::min(0.0, *first), std::max(0.0, *last));
+  const QuadrupleReference reference(in_quadruple(body), std::min(0.0, *first), std::max(0.0, *last));
   const double length = body.momentum_body.norm();
   const Vector3 inertial = body.q_inertial_from_body.normalized() * body.momentum_body;
   Errors e;
   const auto widen = [](double& a, double b) { a = std::isnan(a) || b <= a ? a : b; };  // NaN stays
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const State<Extended> exact = reference.at(times[i]);
+    const ScaledState<Quadruple> exact = reference.at(times[i]);
     const double exact_q[4] = {as_double(exact.q[0]), as_double(exact.q[1]), as_double(exact.q[2]),
                                as_double(exact.q[3])};
     const Quaternion attitude = from_scalar_first({q[4 * i], q[4 * i + 1], q[4 * i + 2], q[4 * i + 3]});
@@ -265,9 +284,9 @@ double turn_s(const FreeBody& body) {
 
 TEST(Rivals, AnswerEveryInstantInAnyOrder) {
   const FreeBody body = tumbling_body();
-  for (const Method& method : methods()) {
+  for (const MeasuredMethod& method : integrators()) {
     const auto motion = method.make(body);
-    const double accuracy = method.name == "quaternion-1" ? 1.0 : method.order == "2" ? 0.1 : 1e-4;
+    const double accuracy = method.name == "quaternion-1" ? 1.0 : method.fixed_order == 2 ? 0.1 : 1e-4;
     const Errors e = errors_of(*motion, body, {3.0, -20.0, 0.0, 20.0, 19.9, -0.5, 3.0});
     EXPECT_LT(e.attitude, accuracy) << method.name;
     EXPECT_LT(e.momentum, accuracy) << method.name;
@@ -284,7 +303,7 @@ TEST(Rivals, AnswerEveryInstantInAnyOrder) {
 TEST(Rivals, RestStaysAtRest) {
   FreeBody body = tumbling_body();
   body.momentum_body.setZero();
-  for (const Method& method : methods()) {
+  for (const MeasuredMethod& method : integrators()) {
     const FreeState s = method.make(body)->at(1e9);
     EXPECT_EQ(s.momentum_body.norm(), 0.0) << method.name;
     EXPECT_EQ(s.q_inertial_from_body.z(), 0.5) << method.name;
@@ -295,8 +314,8 @@ TEST(Rivals, AdaptiveMethodsFollowTheirTolerance) {
   const FreeBody body = tumbling_body();
   const std::vector<double> times = instants(10 * turn_s(body), 100);
   int adaptive = 0;
-  for (const Method& method : methods()) {
-    if (method.fixed_step) continue;
+  for (const MeasuredMethod& method : integrators()) {
+    if (method.fixed_step()) continue;
     ++adaptive;
     for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
       const Errors e = errors_of(*method.make_controlled(body, {.tolerance = tolerance}), body, times);
@@ -310,11 +329,8 @@ TEST(Rivals, KeepWhatTheySayAndNothingElse) {
   const FreeBody body = tumbling_body();
   const std::vector<double> times = instants(10 * turn_s(body), 50);
   constexpr double rounding = 1e-12, seen = 1e-8;
-  for (const Method& method : methods()) {
-    if (!method.fixed_step) continue;
-    const bool momentum = method.conserves.starts_with("momentum");
-    const bool exact_energy = method.conserves.find("energy, ") != std::string_view::npos;
-    const bool norm = method.conserves.find("|q|") != std::string_view::npos;
+  for (const MeasuredMethod& method : integrators()) {
+    if (!method.fixed_step()) continue;
     const Errors e = errors_of(*method.make_controlled(body, {.step_s = turn_s(body) / 40}), body, times);
     const auto kept = [&](const char* what, double error, bool promised) {
       if (promised) {
@@ -323,10 +339,10 @@ TEST(Rivals, KeepWhatTheySayAndNothingElse) {
         EXPECT_GT(error, seen) << method.name << " does not keep its " << what;
       }
     };
-    kept("inertial momentum", e.inertial_momentum, momentum);
-    kept("length of q", e.norm, norm);
-    if (exact_energy) kept("energy", e.energy, true);
-    if (method.conserves == "nothing") kept("energy", e.energy, false);
+    kept("inertial momentum", e.inertial_momentum, method.conserves.momentum);
+    kept("length of q", e.norm, method.conserves.norm);
+    // An energy that oscillates may do so by less than is seen.
+    if (method.conserves.energy || !method.conserves.momentum) kept("energy", e.energy, method.conserves.energy);
   }
 }
 
@@ -334,7 +350,8 @@ TEST(Rivals, SplittingsHaveNoDriftOfEnergyAndLieGroupRungeKuttasDo) {
   const FreeBody body = tumbling_body();
   const auto energy_error = [&](std::string_view name, double turns) {
     const StepControl control{.step_s = turn_s(body) / 20};
-    return errors_of(*method(name).make_controlled(body, control), body, instants(turns * turn_s(body), 200)).energy;
+    return errors_of(*measured_method(name).make_controlled(body, control), body, instants(turns * turn_s(body), 200))
+        .energy;
   };
   for (const std::string_view name : {"three-rotations", "top-rotation", "top-rotation-4"}) {
     EXPECT_LT(energy_error(name, 1000), 1.5 * energy_error(name, 50)) << name;
@@ -429,11 +446,11 @@ TEST(Libraries, WhatAMissingOneTakesAwayIsSaid) {
     const auto named = [&](const auto& m) { return m.name == name; };
     const auto absent = std::find_if(absent_methods().begin(), absent_methods().end(), named);
     const bool is_absent = absent != absent_methods().end();
-    EXPECT_EQ(std::none_of(methods().begin(), methods().end(), named), is_absent) << name;
+    EXPECT_EQ(std::none_of(measured_methods().begin(), measured_methods().end(), named), is_absent) << name;
     EXPECT_EQ(std::none_of(torqued_methods().begin(), torqued_methods().end(), named), is_absent) << name;
     if (!is_absent) continue;
     try {
-      method(name);
+      measured_method(name);
       ADD_FAILURE() << name << " is absent and made";
     } catch (const InputError& error) {
       EXPECT_NE(std::string(error.what()).find("without " + std::string(absent->library)), std::string::npos);
@@ -448,7 +465,7 @@ TEST(Libraries, SundialsIsSilentWhereItFails) {
   }
   testing::internal::CaptureStderr();
   const FreeBody body = tumbling_body();
-  const auto motion = method("cvode-adams").make_controlled(body, {.max_evaluations = 10});
+  const auto motion = measured_method("cvode-adams").make_controlled(body, {.max_evaluations = 10});
   EXPECT_TRUE(std::isnan(motion->at(1e3 * turn_s(body)).momentum_body[0]));
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
@@ -459,7 +476,7 @@ TEST(Libraries, SundialsIsSilentWhereItFails) {
 // Its steps point along the tangent of the sphere |m| = const: every one of them lengthens m, by (h |m x omega|)^2 / 2.
 TEST(KnownFailures, FirstOrderQuaternionGainsMomentum) {
   const FreeBody body = tumbling_body();
-  const auto motion = method("quaternion-1").make_controlled(body, {.step_s = turn_s(body) / 100});
+  const auto motion = measured_method("quaternion-1").make_controlled(body, {.step_s = turn_s(body) / 100});
   EXPECT_GT(motion->at(10 * turn_s(body)).momentum_body.norm(), 1.1 * body.momentum_body.norm());
   EXPECT_TRUE(std::isnan(motion->at(1000 * turn_s(body)).momentum_body.norm()));  // overflow
 }
@@ -469,8 +486,9 @@ TEST(KnownFailures, RenormalisingDoesNotImproveTheAttitude) {
   const FreeBody body = tumbling_body();
   const StepControl control{.step_s = turn_s(body) / 40};
   const std::vector<double> times = instants(100 * turn_s(body), 50);
-  const Errors plain = errors_of(*method("rk4").make_controlled(body, control), body, times);
-  const Errors renormalised = errors_of(*method("rk4-renormalised").make_controlled(body, control), body, times);
+  const Errors plain = errors_of(*measured_method("rk4").make_controlled(body, control), body, times);
+  const Errors renormalised =
+      errors_of(*measured_method("rk4-renormalised").make_controlled(body, control), body, times);
   EXPECT_GT(plain.norm, 1e-6);
   EXPECT_LT(renormalised.norm, 1e-15);
   EXPECT_GT(renormalised.attitude, 0.5 * plain.attitude);
@@ -480,7 +498,7 @@ TEST(KnownFailures, RenormalisingDoesNotImproveTheAttitude) {
 TEST(KnownFailures, DiscreteMoserVeselovHasNoSolutionForLongSteps) {
   const FreeBody body{{0.6, 1.0, 1.3}, Quaternion::Identity(), {0.0, 0.0, 1.3}};  // 1 rad/s about the third axis
   const auto after_one_step = [&](std::string_view name, double step) {
-    return method(name).make_controlled(body, {.step_s = step})->at(step).q_inertial_from_body;
+    return measured_method(name).make_controlled(body, {.step_s = step})->at(step).q_inertial_from_body;
   };
   EXPECT_NEAR(2.0 * std::asin(after_one_step("dmv", 0.9).z()), std::asin(0.9), 1e-12);
   EXPECT_TRUE(std::isnan(after_one_step("dmv", 1.1).z()));
@@ -495,7 +513,7 @@ TEST(KnownFailures, SplittingsCrossTheSeparatrix) {
   const std::vector<double> times = instants(100 * turn_s(body), 2000);
   std::vector<double> q(4 * times.size()), m(3 * times.size());
   const auto m3_changes_sign = [&](std::string_view name, double steps_per_turn) {
-    const auto motion = method(name).make_controlled(body, {.step_s = turn_s(body) / steps_per_turn});
+    const auto motion = measured_method(name).make_controlled(body, {.step_s = turn_s(body) / steps_per_turn});
     motion->batch({times}, StateArrays::of_structures(q.data(), m.data()));
     bool changes = false;
     for (std::size_t i = 0; i < times.size(); ++i) changes |= !(m[3 * i + 2] > 0.0);
@@ -511,7 +529,7 @@ TEST(KnownFailures, SplittingsCrossTheSeparatrix) {
 TEST(KnownFailures, PhaseErrorGrowsWithTheSpan) {
   const FreeBody body = tumbling_body();
   for (const std::string_view name : {"three-rotations", "top-rotation", "dmv", "implicit-midpoint", "dmv-6"}) {
-    const auto motion = method(name).make_controlled(body, {.step_s = turn_s(body) / 30});
+    const auto motion = measured_method(name).make_controlled(body, {.step_s = turn_s(body) / 30});
     const double early = errors_of(*motion, body, instants(2 * turn_s(body), 20)).attitude;
     const double late = errors_of(*motion, body, instants(200 * turn_s(body), 100)).attitude;
     EXPECT_GT(late, 20 * early) << name;
@@ -524,10 +542,10 @@ TEST(KnownFailures, PhaseErrorGrowsWithTheSpan) {
 TEST(KnownFailures, IntegratorsTurnOverTooEarlyBesideTheMiddleAxis) {
   const FreeBody body{{1.0, 2.0, 2.5}, Quaternion::Identity(), {0.6e-40, 1.0, 0.6e-40}};
   const std::vector<double> times = instants(300 * turn_s(body), 100);
-  EXPECT_LT(errors_of(*method("theta").make(body), body, times).attitude, 1e-11);
+  EXPECT_LT(errors_of(*measured_method("theta").make(body), body, times).attitude, 1e-11);
   for (const std::string_view name : {"taylor", "fehlberg-78", "dmv-10", "top-rotation-8", "implicit-midpoint"}) {
     const StepControl control{.step_s = turn_s(body) / 50, .tolerance = 1e-14};
-    const auto motion = method(name).make_controlled(body, control);
+    const auto motion = measured_method(name).make_controlled(body, control);
     EXPECT_GT(errors_of(*motion, body, times).attitude, 0.1) << name;
   }
 }
@@ -536,10 +554,10 @@ TEST(KnownFailures, IntegratorsTurnOverTooEarlyBesideTheMiddleAxis) {
 TEST(KnownFailures, RoundingEndsTheProgressOfTolerances) {
   const FreeBody body = tumbling_body();
   const std::vector<double> times = instants(1000 * turn_s(body), 20);
-  EXPECT_LT(errors_of(*method("theta").make(body), body, times).attitude, 1e-12);
+  EXPECT_LT(errors_of(*measured_method("theta").make(body), body, times).attitude, 1e-12);
   for (const std::string_view name : {"taylor", "fehlberg-78", "bulirsch-stoer"}) {
     const auto error_at = [&](double tolerance) {
-      return errors_of(*method(name).make_controlled(body, {.tolerance = tolerance}), body, times).attitude;
+      return errors_of(*measured_method(name).make_controlled(body, {.tolerance = tolerance}), body, times).attitude;
     };
     EXPECT_GT(error_at(1e-16), 1e-12) << name;
     EXPECT_GT(error_at(1e-16), 0.03 * error_at(1e-14)) << name;
@@ -550,7 +568,7 @@ TEST(KnownFailures, RoundingEndsTheProgressOfTolerances) {
 TEST(BulirschStoer, AnswersASingleInstant) {
   const FreeBody body = tumbling_body();
   const double t = turn_s(body);
-  const auto motion = method("bulirsch-stoer").make_controlled(body, {.tolerance = 1e-12});
+  const auto motion = measured_method("bulirsch-stoer").make_controlled(body, {.tolerance = 1e-12});
   EXPECT_LT(rotation_angle_rad(motion->at(t).q_inertial_from_body, ThetaMotion(body).at(t).q_inertial_from_body),
             1e-10);
 }
@@ -579,7 +597,7 @@ TEST(BulirschStoer, GoesBackwardAsForward) {
 
 TEST(KnownFailures, ATooExpensiveSpanIsNotAnswered) {
   const FreeBody body = tumbling_body();
-  for (const Method& method : methods()) {
+  for (const MeasuredMethod& method : integrators()) {
     const auto motion = method.make_controlled(body, {.max_evaluations = 10000});
     EXPECT_FALSE(std::isnan(motion->at(turn_s(body)).momentum_body[0])) << method.name;
     EXPECT_TRUE(std::isnan(motion->at(1e7 * turn_s(body)).momentum_body[0])) << method.name;

@@ -7,10 +7,10 @@
 #include <set>
 #include <string>
 
-#include "polhode/motion/rivals/torqued.hpp"
-#include "polhode/survey/speed_accuracy.hpp"
-#include "polhode/survey/stability.hpp"
-#include "polhode/survey/torqued_accuracy.hpp"
+#include "rivals/survey/speed_accuracy.hpp"
+#include "rivals/survey/stability.hpp"
+#include "rivals/survey/torqued_accuracy.hpp"
+#include "rivals/torqued_methods.hpp"
 
 namespace polhode::survey {
 namespace {
@@ -33,7 +33,8 @@ TEST(SpeedAccuracy, EveryMethodIsThereAndTheExactOnesAreExact) {
     const auto [known, fresh] = best.try_emplace(row.method, row.errors.attitude_rad);
     if (!fresh) known->second = std::min(known->second, row.errors.attitude_rad);
   }
-  for (const Method& method : methods()) EXPECT_EQ(best.count(method.name), 1U) << method.name;
+  for (const rivals::MeasuredMethod& method : rivals::measured_methods())
+    EXPECT_EQ(best.count(method.name), 1U) << method.name;
   EXPECT_LT(best.at("theta"), 2e-15);
   for (const std::string_view name : {"dmv-10", "top-rotation-8", "taylor", "fehlberg-78"}) {
     EXPECT_LT(best.at(name), 5e-9) << name;

@@ -10,9 +10,13 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "rivals/splitting_schemes.hpp"
 
 namespace polhode {
 namespace {
+
+using rivals::splitting_scheme;
+using rivals::splitting_schemes;
 
 constexpr double kEarth = 3.986004418e14;
 
@@ -27,6 +31,17 @@ const double kMeanMotion = std::sqrt(kEarth / (kRadius_m * kRadius_m * kRadius_m
 Torques gravity(double eccentricity = 0.0) {
   return Torques(
       {GravityGradient(kEarth, KeplerElements{kEarth, kRadius_m, eccentricity, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
+}
+
+/// The options with another method: one of the library's, or a splitting scheme by its name.
+TorquedOptions by(std::string_view method, TorquedOptions options) {
+  const auto own = torqued_motion_methods();
+  if (std::find(own.begin(), own.end(), method) != own.end()) {
+    options.method = method;
+  } else {
+    options.splitting = &splitting_scheme(method);
+  }
+  return options;
 }
 
 FreeState run(const FreeBody& body, const Torques& torques, std::string_view scheme, double span_s, int steps) {
@@ -211,7 +226,7 @@ TEST(TorquedMotion, EnergyChangesByThePowerOfTheTorques) {
                     KeplerElements{kEarth, kRadius_m, 0.01, 0.0, {1, 0, 0}, {0, 0.6, 0.8}}},
        LinearDamping{{3.0, 5.0, 2.0}}});
   for (const char* method : {"near-10-6-4", "extrapolation"}) {
-    const TorquedMotion motion(body, torques, {1e-10, 0.0, 5000.0, method});
+    const TorquedMotion motion(body, torques, by(method, {1e-10, 0.0, 5000.0}));
     EXPECT_EQ(motion.outcome(), Outcome::done) << method;
     const auto energy = [&](double t) {
       const Vector3 m = motion.at(t).momentum_body;
@@ -236,7 +251,7 @@ TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotatio
   const Torques torques({InternalDissipation::from_quality_factor(5.0, moments, G)});
   const double k = std::get<InternalDissipation>(torques.list()[0]).relaxation;
   for (const char* method : {"near-10-6-4", "extrapolation"}) {
-    const TorquedMotion motion(body, torques, {1e-8, 0.0, 400.0, method});
+    const TorquedMotion motion(body, torques, by(method, {1e-8, 0.0, 400.0}));
     EXPECT_EQ(motion.outcome(), Outcome::done) << method;
     const auto energy = [&](double t) {
       const Vector3 m = motion.at(t).momentum_body;
@@ -614,7 +629,7 @@ TEST(TorquedMotion, SaysWhenItStopsOrCannotReachTheTolerance) {
   EXPECT_TRUE(stopped.at(0.5 * stopped.last_s()).momentum_body.allFinite());
   EXPECT_THROW(stopped.at(1e5), InputError);
   // Doubles cannot give 1e-15 over a hundred turns, and this method must not claim it.
-  const TorquedMotion rounding(body, gravity(), {1e-15, 0.0, 2e4, "near-10-6-4"});
+  const TorquedMotion rounding(body, gravity(), by("near-10-6-4", {1e-15, 0.0, 2e4}));
   EXPECT_EQ(rounding.outcome(), Outcome::tolerance_not_reachable);
   EXPECT_GT(rounding.error_rad(), 1e-15);
   EXPECT_TRUE(rounding.at(2e4).momentum_body.allFinite());
@@ -627,13 +642,14 @@ TEST(TorquedMotion, RefusesWrongOptions) {
   EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 1.0, 2.0}), InputError);
   EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, INFINITY}), InputError);
   EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, 1.0, "rk4"}), InputError);
+  EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, 1.0, "strang"}), InputError);  // a scheme is no name
 }
 
 TEST(TorquedMotion, GoesOnForAsLongAsTimeScalesDiffer) {
   for (const std::string_view method : {"variation", "extrapolation-double", "near-8-4"}) {
     for (const double last_s : {3000.0, 0.0}) {
-      const TorquedMotion motion(satellite(), gravity(), {1e-9, last_s - 3000.0, last_s, method});
-      const TorquedMotion longer(satellite(), gravity(), {1e-9, last_s - 3001.0, last_s + 1.0, method});
+      const TorquedMotion motion(satellite(), gravity(), by(method, {1e-9, last_s - 3000.0, last_s}));
+      const TorquedMotion longer(satellite(), gravity(), by(method, {1e-9, last_s - 3001.0, last_s + 1.0}));
       for (const double t_s : {last_s - 3000.0 - 3e-3, last_s + 3e-3}) {
         EXPECT_LT(rotation_angle_rad(motion.at(t_s).q_inertial_from_body, longer.at(t_s).q_inertial_from_body), 2e-9)
             << method << " at " << t_s;

@@ -23,7 +23,7 @@ double elliptic_f(double y, double x, double m_c) {
 
 // Moments, squared momenta and Delta_j = G^2 - 2T I_j in canonical axes: those of the body, or for a long-axis mode
 // with the first and third exchanged.
-struct Canonical {
+struct CanonicalBody {
   double i1, i2, i3;
   double i21, i31, i32;  // i21 = i2 - i1 ...
   double delta1, delta2, delta3;
@@ -32,11 +32,11 @@ struct Canonical {
 // For momentum 1: the polhode's frequency nu, negative in long-axis mode, and half the mean rate 2 rho at which axis 1
 // precesses about L; axis 3 precesses at 2 rho + nu. They are the constants of the theta-series solution
 // (motion/theta): the first series converges fast far from the separatrix, the second, its Jacobi transform, near it.
-struct MeanRates {
+struct SeriesRates {
   double rho, nu;
 };
 
-MeanRates mean_rates(const Canonical& c, double m_c) {
+SeriesRates series_rates(const CanonicalBody& c, double m_c) {
   const double m = -c.i21 * c.delta3 / (c.delta1 * c.i32);  // 1 - m_c, without the subtraction
   const double b13 = std::sqrt(-c.i1 * c.delta3 / c.i31);
   const double b31 = std::sqrt(c.i3 * c.delta1 / c.i31);
@@ -122,13 +122,13 @@ SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_p
   }
 
   const bool short_mode = delta2 >= 0.0;
-  const Canonical c = short_mode ? Canonical{i[0], i[1], i[2], i21, i31, i32, delta1, delta2, delta3}
-                                 : Canonical{i[2], i[1], i[0], -i32, -i31, -i21, delta3, delta2, delta1};
+  const CanonicalBody c = short_mode ? CanonicalBody{i[0], i[1], i[2], i21, i31, i32, delta1, delta2, delta3}
+                                     : CanonicalBody{i[2], i[1], i[0], -i32, -i31, -i21, delta3, delta2, delta1};
   const double m_c = std::min(1.0, c.delta2 * c.i31 / (c.delta1 * c.i32));
   const bool on_separatrix = m_c <= 8.0 * std::numeric_limits<double>::epsilon();
   out.mode = on_separatrix ? RotationMode::separatrix : short_mode ? RotationMode::short_axis : RotationMode::long_axis;
   out.separatrix_distance = on_separatrix ? 0.0 : m_c;
-  const MeanRates rates = mean_rates(c, *out.separatrix_distance);
+  const SeriesRates rates = series_rates(c, *out.separatrix_distance);
   out.polhode_period_s = 2.0 * pi / (std::abs(rates.nu) * rate_unit_rad_s);
 
   // The polhode crosses two planes between axes: (1, 3), and (2, 3) or (1, 2). The axis of the mode is farthest from L

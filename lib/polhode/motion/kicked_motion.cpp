@@ -59,8 +59,7 @@ class KickedMotion::Runner {
   /// One way from t = 0 to end_s, with `take` after each step.
   template <class Take>
   void run(const FreeState& start, double end_s, double step_rad, const Take& take) {
-    SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, 0.0, torques_,
-                     splitting_scheme("strang"));
+    SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, 0.0, torques_, kStrang);
     // Steps that followed the rate would follow its swings too, and beat with the torque.
     const double rate = mean_rate_rad_s(moments_, start);
     for (bool last = end_s == 0.0; !last;) {
@@ -76,8 +75,7 @@ class KickedMotion::Runner {
   /// How fast a run from here departs from an accurate one, rad/s.
   double drift_rad_s(const FreeState& start, double direction, double step_rad) {
     const double turn_s = kTurn_rad / mean_rate_rad_s(moments_, start);
-    SplittingRun exact({moments_, start.q_inertial_from_body, start.momentum_body}, 0.0, torques_,
-                       splitting_scheme("near-10-6-4"));
+    SplittingRun exact({moments_, start.q_inertial_from_body, start.momentum_body}, 0.0, torques_, kNear1064);
     std::vector<double> times_s;
     std::vector<Vector3> offsets;
     double next_s = 0.0;

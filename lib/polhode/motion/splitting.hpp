@@ -16,8 +16,7 @@ namespace polhode {
 ///     A(a1 h) B(b1 h) A(a2 h) … B(bs h) A(a(s+1) h),     a and b the same from both ends
 ///
 /// With torques that are small, of size eps beside the free motion, the error of a step is a sum of powers of h and
-/// eps;
-/// "(10,6,4)" has h^11 eps + h^7 eps^2 + h^5 eps^3.
+/// eps; "(10,6,4)" has h^11 eps + h^7 eps^2 + h^5 eps^3.
 struct SplittingScheme {
   std::string_view name;
   std::string_view order;
@@ -30,21 +29,21 @@ struct SplittingScheme {
   double kick(std::size_t i) const { return b[i < b.size() ? i : kicks - 1 - i]; }  ///< i from 0 to s - 1
 };
 
-/// All schemes, by rising order.
-std::span<const SplittingScheme> splitting_schemes();
-/// Throws InputError naming the allowed ones.
-const SplittingScheme& splitting_scheme(std::string_view name);
+/// The simplest scheme, and the best one for small torques: those that KickedMotion needs.
+/// `rivals/splitting_schemes.hpp` of the source tree has more, to compare with.
+extern const SplittingScheme kStrang, kNear1064;
 
 /// B(length_s): the torque (in principal axes) at time t_s, at the attitude that the body has, for so long. Changes the
 /// momentum (and, under internal dissipation, the attitude); returns what it has added to the momentum in inertial
 /// axes. Nothing is checked: numbers that are not finite make others.
-Vector3 kick(FreeBody& body, double t_s, double length_s, const Torques& torques);
+Vector3 apply_kick(FreeBody& body, double t_s, double length_s, const Torques& torques);
 
 /// A run of steps from one state, forward or backward.
 class SplittingRun {
  public:
   /// `torques`, in the axes of start.named_from_principal, must not jump during the run (Torques::during). Throws
-  /// InputError for what checked() refuses, and for a time that is not finite. `scheme` is one of splitting_schemes().
+  /// InputError for what checked() refuses, and for a time that is not finite. What `scheme` views must outlive the
+  /// run.
   SplittingRun(const FreeBody& start, double start_s, const Torques& torques, const SplittingScheme& scheme)
       : torques_(torques.in_principal_axes(start.named_from_principal)),
         scheme_(scheme),

@@ -1,6 +1,7 @@
 #include "polhode/motion/torqued_motion.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
@@ -76,6 +77,11 @@ std::string_view outcome_name(Outcome outcome) {
   }
 }
 
+std::span<const std::string_view> torqued_motion_methods() {
+  static constexpr std::string_view all[] = {kAuto, kVariation, kExtrapolationInDouble, kExtrapolation};
+  return all;
+}
+
 /// Makes paths; what they share while they are made.
 class TorquedMotion::Builder {
  public:
@@ -83,7 +89,7 @@ class TorquedMotion::Builder {
   Builder(const FreeBody& body, const Torques& torques, const TorquedOptions& options, std::string_view method,
           std::size_t spent)
       : most_evaluations_(options.max_torque_evaluations - std::min(spent, options.max_torque_evaluations)),
-        way_(way(method)),
+        way_(way(method, options)),
         moments_(body.principal_moments) {
     start_ = {body.q_inertial_from_body.cast<long double>().normalized(), body.momentum_body.cast<long double>()};
     for (const bool forward : {true, false}) {
@@ -103,11 +109,13 @@ class TorquedMotion::Builder {
     }
   }
 
-  static Way way(std::string_view name) {
+  static Way way(std::string_view name, const TorquedOptions& options) {
+    if (options.splitting != nullptr) return {.scheme = options.splitting};
     if (name == kVariation) return {.variation = true};
     if (name == kExtrapolation) return {.extended = true};
     if (name == kExtrapolationInDouble) return {};
-    return {.scheme = &splitting_scheme(name)};
+    throw InputError(fmt::format("unknown method '{:.40}' under torques, allowed are {}", name,
+                                 fmt::join(torqued_motion_methods(), ", ")));
   }
 
   template <class Real>
@@ -363,17 +371,17 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named,
   }
   check_span(options.first_s, options.last_s);
   // What "auto" tries in turn; a method of the caller's choice stands alone.
-  std::vector<std::string_view> methods{options.method};
+  std::vector<std::string_view> methods{options.splitting != nullptr ? options.splitting->name : options.method};
   const double phase_rad =
       body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
-  if (options.method == kAuto) {
+  if (methods.front() == kAuto) {
     methods = {kVariation, kExtrapolationInDouble, kExtrapolation};
     if (rounding_of_doubles_rad(phase_rad) > options.tolerance_rad) methods = {kExtrapolation};
   }
   for (const std::string_view name : methods) {
     const bool last = name == methods.back();
     Builder builder(body, torques, options, name, evaluations_);
-    way_ = Builder::way(name);
+    way_ = Builder::way(name, options);
     method_ = way_.variation           ? kVariation
               : way_.scheme != nullptr ? way_.scheme->name
               : way_.extended          ? kExtrapolation

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "polhode/motion/extrapolation.hpp"
@@ -25,14 +27,20 @@ struct TorquedOptions {
   double tolerance_rad = 1e-9;
   /// The span, which holds t = 0.
   double first_s = 0.0, last_s = 0.0;
-  /// "variation": variation of constants around the exact motion; one of splitting_schemes() by name;
+  /// One of torqued_motion_methods(). "variation": variation of constants around the exact motion;
   /// "extrapolation-double"; "extrapolation" in long double; or "auto": variation where the torques are small enough
   /// for it, else extrapolation, in long double where doubles cannot meet the tolerance. The motion keeps no view of
   /// it.
   std::string_view method = "auto";
   /// Of all runs together.
   std::size_t max_torque_evaluations = 100'000'000;
+  /// If not null, steps of this splitting, with lengths chosen by their error, take the place of `method`. The scheme
+  /// must outlive the motion.
+  const SplittingScheme* splitting = nullptr;
 };
+
+/// What TorquedOptions::method may be, "auto" first.
+std::span<const std::string_view> torqued_motion_methods();
 
 /// What rounding in doubles comes to over so many radians of rotation. Where it is above the tolerance, "auto" begins
 /// with long double.

@@ -19,7 +19,7 @@ template <class At>
     std::memcpy(&t.high, a.t_high + i, here * sizeof(double));
     if (a.t_low != nullptr) std::memcpy(&t.low, a.t_low + i, here * sizeof(double));
   }
-  if (a.t_low != nullptr) t = two_sum(t.high, t.low);  // the parts may overlap
+  if (a.t_low != nullptr) t = pair_sum(t.high, t.low);  // the parts may overlap
   return at.phases(t.high, t.low);
 }
 

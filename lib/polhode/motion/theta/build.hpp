@@ -207,14 +207,15 @@ void build_fixed_axis(const Input& in, int moment_exponent, int momentum_exponen
 
 /// The constant part of attitude(t) = R (Re alpha, Re beta, Im beta, Im alpha) C / sqrt(N): R from the state at t = 0.
 template <class Real>
-Frame frame_of(const Input& in, const Canonical<Real>& c, int momentum_exponent, const Quaternion4<Real>& state_at_0) {
+OutputFrame frame_of(const Input& in, const Canonical<Real>& c, int momentum_exponent,
+                     const Quaternion4<Real>& state_at_0) {
   const Quaternion4<Real>& cc = c.q_canonical_from_body;
   const Real norm2 = state_at_0.w * state_at_0.w + state_at_0.x * state_at_0.x + state_at_0.y * state_at_0.y +
                      state_at_0.z * state_at_0.z;
   const Real root = sqrt(norm2);
   const Quaternion4<Real> s{state_at_0.w / root, state_at_0.x / root, state_at_0.y / root, state_at_0.z / root};
   const Quaternion4<Real> r = initial_attitude<Real>(in) * (s * cc).conjugate();
-  Frame frame;
+  OutputFrame frame;
   const Quaternion4<Real> r_times_unit[4] = {// r, r i, r j, r k
                                              r,
                                              {-r.x, r.w, r.z, -r.y},

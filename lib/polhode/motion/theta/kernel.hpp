@@ -58,7 +58,7 @@ inline void polynomials(const double (&a)[kMaxDegree + 1][4], V x, V (&sums)[4])
 }
 
 template <class V>
-inline Pair<V> two_sum(V a, V b) {
+inline Pair<V> pair_sum(V a, V b) {
   const V s = a + b;
   const V bb = s - a;
   return {s, (a - (s - bb)) + (b - bb)};
@@ -126,8 +126,8 @@ template <class V>
 
 /// Attitude and momentum (times its scale) from alpha and beta, one of them of size near 1, and the phase of rho t.
 template <class V>
-[[gnu::always_inline]] inline void attitude_and_momentum(const Frame& f, V re_alpha, V re_beta, V im_alpha, V im_beta,
-                                                         V sine, V cosine, V (&q)[4], V (&m)[3]) {
+[[gnu::always_inline]] inline void attitude_and_momentum(const OutputFrame& f, V re_alpha, V re_beta, V im_alpha,
+                                                         V im_beta, V sine, V cosine, V (&q)[4], V (&m)[3]) {
   const V alpha2 = multiply_add(re_alpha, re_alpha, im_alpha * im_alpha);
   const V beta2 = multiply_add(re_beta, re_beta, im_beta * im_beta);
   const V n = alpha2 + beta2;
@@ -217,7 +217,7 @@ struct HyperbolicAt {
     const V product = t_high * rate;
     V rest = multiply_add(t_high, all<V>(s.x_per_s.low), product_error(t_high, rate, product));
     rest = multiply_add(t_low, rate, rest) + s.x_at_0.low;
-    const Pair<V> sum = two_sum(product, all<V>(s.x_at_0.high));
+    const Pair<V> sum = pair_sum(product, all<V>(s.x_at_0.high));
     V n = nearest_integer(sum.high * s.reciprocal_x_period);
     V x = product_minus(-n, all<V>(s.x_period.high), -sum.high) +
           multiply_add(-n, all<V>(s.x_period.low), sum.low + rest);

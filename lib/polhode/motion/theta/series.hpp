@@ -25,7 +25,7 @@ struct FixedAxis {
 
 /// What both charts share: q = frame . (Re alpha, Re beta, Im beta, Im alpha) e^{i rho t} / sqrt(N), and the momentum
 /// in canonical axes, multiplied by `momentum_scale` (+-G) and, in long-axis mode, first and third exchanged.
-struct Frame {
+struct OutputFrame {
   double frame[4][4];        ///< column, row
   double momentum_scale[3];  ///< of canonical component 1, 2, 3
   bool exchange_1_3;
@@ -35,7 +35,7 @@ struct Frame {
 /// in c of the given degree:
 ///   Re alpha = p0(c), Re beta = sin v p1(c), Im alpha = sin 2v p2(c), Im beta = cos v p3(c).
 struct FourierChart {
-  Frame frame;
+  OutputFrame frame;
   TwoPart rho_quarters_per_s;
   TwoPart v_quarters_per_s;
   double v_quarters_at_0;        ///< at most 1/2, to be added to
@@ -50,7 +50,7 @@ struct FourierChart {
 ///   Im alpha = s (g2(Y) + E f2(E))     Im beta = (-1)^n (g3(Y) + E f3(E))
 /// both times e^{i pi/2 x x_to_quarters}, to be combined with e^{i rho t}.
 struct HyperbolicChart {
-  Frame frame;
+  OutputFrame frame;
   TwoPart rho_quarters_per_s;
   TwoPart x_per_s;
   TwoPart x_at_0;

@@ -10,7 +10,7 @@ inline namespace POLHODE_TARGET {
 
 /// One operation after the other. The attitude goes out as Eigen stores it, scalar last.
 template <class At>
-inline void state_at(const At& at, double t_high, double t_low, double q_xyzw[4], double m[3]) {
+inline void evaluate_at(const At& at, double t_high, double t_low, double q_xyzw[4], double m[3]) {
   double qs[4], ms[3];
   at.state(at.phases(t_high, t_low), qs, ms);
   for (int k = 0; k < 4; ++k) q_xyzw[k] = qs[(k + 1) % 4];
@@ -52,8 +52,8 @@ template <int Degree>
 }
 
 /// attitude_and_momentum of real = (Re alpha, Re beta), imaginary likewise, and twice the sine and the cosine.
-[[gnu::always_inline]] inline void attitude_and_momentum(const Frame& f, __m128d real, __m128d imaginary, __m128d sine,
-                                                         __m128d cosine, double q_xyzw[4], double m[3]) {
+[[gnu::always_inline]] inline void attitude_and_momentum(const OutputFrame& f, __m128d real, __m128d imaginary,
+                                                         __m128d sine, __m128d cosine, double q_xyzw[4], double m[3]) {
   const __m128d squares = _mm_fmadd_pd(real, real, _mm_mul_pd(imaginary, imaginary));
   const double alpha2 = squares[0], beta2 = squares[1];
   const double reciprocal = 1.0 / (alpha2 + beta2);
@@ -76,7 +76,7 @@ template <int Degree>
 }
 
 template <int Degree>
-inline void state_at(const FourierAt<Degree>& at, double t_high, double t_low, double q_xyzw[4], double m[3]) {
+inline void evaluate_at(const FourierAt<Degree>& at, double t_high, double t_low, double q_xyzw[4], double m[3]) {
   // Both angles as angle() has them.
   const FourierChart& s = at.s;
   const __m128d v = _mm_loadu_pd(&s.v_quarters_per_s.high), rho = _mm_loadu_pd(&s.rho_quarters_per_s.high);
@@ -87,7 +87,7 @@ inline void state_at(const FourierAt<Degree>& at, double t_high, double t_low, d
   const __m128d about = _mm_fmadd_pd(t, rate, offset);
   const __m128d size = _mm_andnot_pd(_mm_set1_pd(-0.0), about);
   if (_mm_movemask_pd(_mm_cmpnle_pd(size, _mm_set1_pd(kSafeQuarters))) != 0) [[unlikely]] {
-    return state_at<FourierAt<Degree>>(at, t_high, t_low, q_xyzw, m);
+    return evaluate_at<FourierAt<Degree>>(at, t_high, t_low, q_xyzw, m);
   }
   const __m128d rest = _mm_fmadd_pd(_mm_set1_pd(t_low), rate, _mm_mul_pd(t, rate_low));
   const __m128d shifted = _mm_add_pd(about, magic);
@@ -106,7 +106,7 @@ inline void state_at(const FourierAt<Degree>& at, double t_high, double t_low, d
 }
 
 template <int Degree>
-inline void state_at(const HyperbolicAt<Degree>& at, double t_high, double t_low, double q_xyzw[4], double m[3]) {
+inline void evaluate_at(const HyperbolicAt<Degree>& at, double t_high, double t_low, double q_xyzw[4], double m[3]) {
   const HyperbolicChart& s = at.s;
   const auto [x, n] = at.position(t_high, t_low);
   const Angle<double> phase = angle(s.rho_quarters_per_s, t_high, t_low, x * s.x_to_quarters);

@@ -12,8 +12,8 @@ void build_short_span(const Input& in, Solution& out) { build<double>(in, out); 
 
 void at_one(const Solution& s, double t_high, double t_low, double q_xyzw[4], double m[3]) {
   Pair<double> t{t_high, t_low};
-  if (t_low != 0.0) t = two_sum(t_high, t_low);  // the parts may overlap
-  dispatch(s, [&](const auto& at) { state_at(at, t.high, t.low, q_xyzw, m); });
+  if (t_low != 0.0) t = pair_sum(t_high, t_low);  // the parts may overlap
+  dispatch(s, [&](const auto& at) { evaluate_at(at, t.high, t.low, q_xyzw, m); });
 }
 
 void batch_of(const Solution& s, const BatchArguments& arguments) {
