@@ -180,11 +180,13 @@ class Program(unittest.TestCase):
         self.assertIn(f"{body}:4: inertia.mesh: found '', the name of a file is wanted", done.stderr)
 
     def test_a_lack_of_memory_names_the_file(self):
+        limited = ["sh", "-c", 'ulimit -v 262144; exec "$@"', "sh", POLHODE]
+        if subprocess.run([*limited, "--version"], capture_output=True, check=False).returncode != 0:
+            self.skipTest("the program needs more to begin with, as sanitizers do")
         big = pathlib.Path(self.folder.name) / "big.csv"
         with big.open("w") as file:
             file.write("date_tt,q_x,q_y,q_z,q_scalar\n" + 8_000_000 * "2000-01-01T12:00:00.000,0,0,0,1\n")
-        done = subprocess.run(["sh", "-c", 'ulimit -v 262144; exec "$@"', "sh", POLHODE, "info", str(big)],
-                              capture_output=True, text=True, check=False)
+        done = subprocess.run([*limited, "info", str(big)], capture_output=True, text=True, check=False)
         self.assertEqual((done.returncode, done.stdout), (3, ""))
         self.assertIn("not enough memory", done.stderr)
         self.assertIn(str(big), done.stderr)

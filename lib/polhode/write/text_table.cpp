@@ -114,6 +114,7 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
   }
   // What stands before each number of a row.
   std::vector<std::string> before;
+  before.reserve(columns.size());
   for (const Column& column : columns) before.push_back(json ? fmt::format(",\"{}\":", column.name) : ",");
 
   // What ends each row: an ECSV names its frame in the header.
