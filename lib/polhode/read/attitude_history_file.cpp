@@ -165,6 +165,8 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   history.object_id = table.header().entry("object_id");
   std::string frame_name(table.header().entry("frame_a"));
   const std::size_t columns = table.names().size();
+  if (columns == 0 || !table.names()[0].starts_with(date_prefix))
+    throw table.error("the first column is wanted to be date_ and a time scale, as date_tdb");
   history.scale = table.located([&] { return time_scale(table.names()[0].substr(date_prefix.size())); });
   const std::array<std::size_t, 4> q{table.column("q_scalar"), table.column("q_x"), table.column("q_y"),
                                      table.column("q_z")};
