@@ -93,7 +93,7 @@ void bench(const BenchOptions& options) {
     throw InputError(fmt::format("{} has torques ('T' lines); bench measures free motion", options.case_file));
   }
   const auto make_short = chosen.make_short != nullptr ? chosen.make_short : chosen.make;
-  const std::unique_ptr<FreeMotion> motion = chosen.make(wanted.body);
+  const std::unique_ptr<Motion> motion = chosen.make(wanted.body);
 
   const std::size_t count = options.count;
   const Array times = irregular_times(wanted.times_s, count);
@@ -120,7 +120,7 @@ void bench(const BenchOptions& options) {
     construct_short.measure(builds, [&] { build(make_short); });
     single.measure(count, [&] {
       for (const double t : times) {
-        const FreeState s = motion->at(t);
+        const State s = motion->at(t);
         checksum += s.q_inertial_from_body.w() + s.momentum_body[0];
       }
     });

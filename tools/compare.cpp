@@ -43,7 +43,7 @@ void warn_of_two_objects(const Object& a, const Object& b) {
 /// The free motion of a body file as attitude in ICRF.
 std::function<Quaternion(Instant)> motion_of(const std::string& path, const Body& body) {
   const FreeBody free = in_file(path, [&] { return free_body(body, Frame::icrf); });
-  const std::shared_ptr<const FreeMotion> motion = method("auto").make(free);
+  const std::shared_ptr<const Motion> motion = method("auto").make(free);
   return [motion, free, epoch = body.state->epoch](Instant time) {
     const Seconds elapsed = time - epoch;
     return named_state(free, motion->at(elapsed.high, elapsed.low)).q_inertial_from_named;

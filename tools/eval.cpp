@@ -28,7 +28,7 @@ struct EvalOptions {
   std::size_t most_evaluations = 0;  // of torques; 0: some seconds of work
 };
 
-std::unique_ptr<FreeMotion> make_free_motion(const FreeBody& body, const EvalOptions& options) {
+std::unique_ptr<Motion> make_free_motion(const FreeBody& body, const EvalOptions& options) {
   const rivals::MeasuredMethod& chosen = rivals::measured_method(options.method);
   if (options.step_s != 0.0 && !chosen.fixed_step()) {
     throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
@@ -39,7 +39,7 @@ std::unique_ptr<FreeMotion> make_free_motion(const FreeBody& body, const EvalOpt
       body, {.step_s = options.step_s, .tolerance = options.tolerance_rad, .max_evaluations = most_evaluations});
 }
 
-std::unique_ptr<FreeMotion> make_torqued_motion(const CaseFile& wanted, const EvalOptions& options) {
+std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOptions& options) {
   if (options.step_s != 0.0)
     throw InputError("--step is for free motion; under torques --tolerance says how fine to be");
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
@@ -74,7 +74,7 @@ void eval(const EvalOptions& options) {
     throw InputError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
   }
   const CaseFile wanted = read_case_file(options.case_file);
-  const std::unique_ptr<FreeMotion> motion =
+  const std::unique_ptr<Motion> motion =
       wanted.torques.empty() ? make_free_motion(wanted.body, options) : make_torqued_motion(wanted, options);
   const auto count = static_cast<Eigen::Index>(wanted.times_s.size());
   Eigen::Matrix4Xd quaternions(4, count);

@@ -210,7 +210,7 @@ bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& fi
   return true;
 }
 
-PrincipalMotion states_of(std::shared_ptr<const FreeMotion> motion) {
+PrincipalMotion states_of(std::shared_ptr<const Motion> motion) {
   return [motion = std::move(motion)](std::span<const double> high, std::span<const double> low, double* q, double* m) {
     motion->batch({high, low}, StateArrays::of_structures(q, m));
   };
@@ -313,8 +313,8 @@ void propagate(PropagateOptions options) {
                                    account.method, account.error_meaning));
     }
     return rows_for_tolerance(states, free.principal_moments, (start - body.state->epoch).high,
-                              (stop - body.state->epoch).high, tolerance_of(options),
-                              *account.max_error_rad, format.interpolation);
+                              (stop - body.state->epoch).high, tolerance_of(options), *account.max_error_rad,
+                              format.interpolation);
   };
   std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {

@@ -83,7 +83,7 @@ double EulerSolution::arctg_sc(const Sample& s, double c) {
 namespace {
 
 // Leroy, "Integration of the rotation matrix".
-class MatrixBasis final : public FreeMotion {
+class MatrixBasis final : public Motion {
  public:
   explicit MatrixBasis(const FreeBody& body) : euler_(body) {
     const EulerSolution::Sample start = euler_.at(0.0);
@@ -91,7 +91,7 @@ class MatrixBasis final : public FreeMotion {
     r_ = body.q_inertial_from_body.normalized().toRotationMatrix() * basis(body.momentum_body).transpose();
   }
 
-  FreeState at(double t_high_s, double t_low_s) const override {
+  State at(double t_high_s, double t_low_s) const override {
     const double t = t_high_s + t_low_s;
     const EulerSolution::Sample s = euler_.at(t);
     const Eigen::AngleAxisd y(psi(s, t) - psi0_, Vector3::UnitX());
@@ -128,14 +128,14 @@ class MatrixBasis final : public FreeMotion {
 
 // Leroy, "Integration of the quaternion" and, for case (ii), "An alternative quaternionic solution" without its
 // rotation S.
-class CfszQuaternion final : public FreeMotion {
+class CfszQuaternion final : public Motion {
  public:
   explicit CfszQuaternion(const FreeBody& body) : euler_(body) {
     psi0_ = psi(euler_.at(0.0), 0.0);
     r_ = body.q_inertial_from_body.normalized() * onto_e3(body.momentum_body).conjugate();
   }
 
-  FreeState at(double t_high_s, double t_low_s) const override {
+  State at(double t_high_s, double t_low_s) const override {
     const double t = t_high_s + t_low_s;
     const EulerSolution::Sample s = euler_.at(t);
     const double half = 0.5 * (psi(s, t) - psi0_);
@@ -182,10 +182,8 @@ class CfszQuaternion final : public FreeMotion {
 
 }  // namespace
 
-std::unique_ptr<FreeMotion> make_matrix_basis(const FreeBody& body) { return std::make_unique<MatrixBasis>(body); }
+std::unique_ptr<Motion> make_matrix_basis(const FreeBody& body) { return std::make_unique<MatrixBasis>(body); }
 
-std::unique_ptr<FreeMotion> make_cfsz_quaternion(const FreeBody& body) {
-  return std::make_unique<CfszQuaternion>(body);
-}
+std::unique_ptr<Motion> make_cfsz_quaternion(const FreeBody& body) { return std::make_unique<CfszQuaternion>(body); }
 
 }  // namespace polhode::rivals

@@ -47,9 +47,9 @@ class EulerSolution {
 };
 
 /// CFSZ07's matrix form: the basis {m, dm/dt, m x dm/dt}, which is lost where dm/dt vanishes.
-std::unique_ptr<FreeMotion> make_matrix_basis(const FreeBody& body);
+std::unique_ptr<Motion> make_matrix_basis(const FreeBody& body);
 
 /// CFSZ07's quaternion form: m turned onto e3 in every case, which is lost where m3 = -G.
-std::unique_ptr<FreeMotion> make_cfsz_quaternion(const FreeBody& body);
+std::unique_ptr<Motion> make_cfsz_quaternion(const FreeBody& body);
 
 }  // namespace polhode::rivals

@@ -53,9 +53,9 @@ IntegratedMotion::IntegratedMotion(const FreeBody& body, const Torques& torques,
                      free_step};
 }
 
-FreeState IntegratedMotion::at(double t_high_s, double t_low_s) const {
+State IntegratedMotion::at(double t_high_s, double t_low_s) const {
   Eigen::Vector4d q;
-  FreeState state;
+  State state;
   integrate({{&t_high_s, 1}, {&t_low_s, 1}}, StateArrays::of_structures(q.data(), state.momentum_body.data()));
   state.q_inertial_from_body = from_scalar_first(q);
   return state;

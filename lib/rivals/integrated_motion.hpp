@@ -40,7 +40,7 @@ struct Problem {
 using Run = std::int64_t (*)(const Problem& problem, std::span<const double> times, ScaledState<double>* out);
 
 /// A motion that an integrator answers: at() integrates from t = 0, batch() passes once through the sorted times.
-class IntegratedMotion final : public FreeMotion {
+class IntegratedMotion final : public Motion {
  public:
   IntegratedMotion(const FreeBody& body, const StepControl& control, Run run);
   /// Under torques, for a `run` that knows them; at rest at t = 0 there are no units of its own, and no answer but NaN.
@@ -48,7 +48,7 @@ class IntegratedMotion final : public FreeMotion {
   IntegratedMotion(const FreeBody& body, const Torques& torques, const StepControl& control, Run run,
                    const SplittingScheme* scheme = nullptr);
 
-  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+  State at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override { integrate(times, out); }
 
   /// batch(), and the number of evaluations that it took; more than permitted where it gave up for that.

@@ -21,11 +21,11 @@ namespace polhode::rivals {
 namespace {
 
 template <Run run>
-std::unique_ptr<FreeMotion> make_controlled(const FreeBody& body, const StepControl& control) {
+std::unique_ptr<Motion> make_controlled(const FreeBody& body, const StepControl& control) {
   return std::make_unique<IntegratedMotion>(body, control, run);
 }
 template <Run run>
-std::unique_ptr<FreeMotion> make(const FreeBody& body) {
+std::unique_ptr<Motion> make(const FreeBody& body) {
   return make_controlled<run>(body, {});
 }
 
@@ -80,7 +80,7 @@ MeasuredMethod adaptive(std::string_view name, std::string_view order, std::stri
 }
 
 MeasuredMethod closed_form(std::string_view name, std::string_view fails, std::string_view source,
-                           std::unique_ptr<FreeMotion> (*make)(const FreeBody&)) {
+                           std::unique_ptr<Motion> (*make)(const FreeBody&)) {
   return {{name, exact.kind, exact.name, "exact", everything_while, fails, source, make}};
 }
 

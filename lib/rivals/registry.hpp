@@ -15,7 +15,7 @@ namespace polhode::rivals {
 /// pass, and at() by integrating from t = 0; one that cannot go on answers NaN.
 struct MeasuredMethod : Method {
   /// Integrators: the same as `make`, under control; null for closed forms, which need none.
-  std::unique_ptr<FreeMotion> (*make_controlled)(const FreeBody&, const StepControl&) = nullptr;
+  std::unique_ptr<Motion> (*make_controlled)(const FreeBody&, const StepControl&) = nullptr;
   int fixed_order = 0;  ///< of a method of fixed steps; 0 of the others
   /// Methods of fixed steps: so many steps in quadruple precision, where their order can be seen.
   void (*advance_in_quadruple)(const InverseMoments<Quadruple>& body, ScaledState<Quadruple>& y, Quadruple step,

@@ -82,7 +82,7 @@ class ExactSplitting {
 
   void advance(ScaledState<double>& y, std::int64_t steps) {
     for (std::int64_t n = 0; n < steps; ++n) run_.step(step_s_);
-    const FreeState state = run_.state();
+    const State state = run_.state();
     const Eigen::Vector4d q = scalar_first(state.q_inertial_from_body);
     for (int i = 0; i < 4; ++i) y.q[i] = q[i];
     for (int i = 0; i < 3; ++i) y.m[i] = state.momentum_body[i] / forcing_.momentum;

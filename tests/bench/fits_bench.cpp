@@ -80,7 +80,7 @@ int bench(const std::string& folder, std::size_t rows, double allowed) {
   body.state = polhode::SpinState{polhode::Instant(), polhode::TimeScale::tdb, polhode::Frame::icrf,
                                   polhode::Quaternion::Identity(), polhode::Vector3(2e-5, 5e-6, 3e-6)};
   const polhode::Method& method = polhode::method("auto");
-  const std::shared_ptr<const polhode::FreeMotion> motion = method.make(polhode::free_body(body));
+  const std::shared_ptr<const polhode::Motion> motion = method.make(polhode::free_body(body));
   const auto states = [motion](std::span<const double> high, std::span<const double> low, double* q, double* m) {
     motion->batch({high, low}, polhode::StateArrays::of_structures(q, m));
   };

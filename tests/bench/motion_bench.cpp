@@ -19,7 +19,7 @@ const char* const kCases[] = {"lam-01",        "sam-01",           "needle-01", 
                               "nearsphere-01", "nearsep-01",       "nearsep-10", "sepexact-01",
                               "nearprin2-02",  "real-toutatis-01", "sym12-01",   "sphere-01"};
 
-void state_errors(benchmark::State& state, const FreeMotion& motion, const test::TruthCase& c) {
+void state_errors(benchmark::State& state, const Motion& motion, const test::TruthCase& c) {
   double attitude = 0.0, momentum = 0.0;
   for (const test::TruthRow& row : c.rows) {
     if (row.kappa > 1e14) continue;

@@ -16,7 +16,7 @@ namespace {
 
 struct Truth {
   double t_s, kappa;
-  FreeState state;
+  State state;
 };
 
 std::vector<Truth> truth(const std::filesystem::path& path) {
@@ -54,7 +54,7 @@ TEST_P(TorquedCorpus, EveryRowIsWithinTheTolerance) {
     const std::vector<Truth> rows = truth(std::filesystem::path(entry.path()).replace_extension(".truth"));
     ASSERT_EQ(rows.size(), wanted.times_s.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const FreeState state = motion.at(wanted.times_s[i]);
+      const State state = motion.at(wanted.times_s[i]);
       const double allowed_rad = tolerance_rad * std::max(1.0, rows[i].kappa * 1e-6);
       const double error_rad = rotation_angle_rad(state.q_inertial_from_body, rows[i].state.q_inertial_from_body);
       const double error_m =

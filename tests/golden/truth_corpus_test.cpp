@@ -57,7 +57,7 @@ std::map<std::string, Score> score(const std::string& name, const States& states
   static const std::vector<test::TruthCase> cases = test::truth_cases(POLHODE_DATA_DIR "/truth/dev");
   std::map<std::string, Score> by_regime;
   for (const test::TruthCase& c : cases) {
-    const std::vector<FreeState> answers = states(c.question.body, c.question.times_s);
+    const std::vector<State> answers = states(c.question.body, c.question.times_s);
     EXPECT_EQ(answers.size(), c.rows.size()) << c.name;
     for (std::size_t i = 0; i < std::min(answers.size(), c.rows.size()); ++i) {
       const test::TruthRow& row = c.rows[i];
@@ -74,16 +74,16 @@ std::map<std::string, Score> score(const std::string& name, const States& states
 std::map<std::string, Score> score(const Method& method) {
   return score(std::string(method.name), [&method](const FreeBody& body, const std::vector<double>& times) {
     const auto motion = method.make(body);
-    std::vector<FreeState> states;
+    std::vector<State> states;
     for (const double t : times) states.push_back(motion->at(t));
     return states;
   });
 }
 
-std::vector<FreeState> theta_states(const theta::Target& target, const FreeBody& body, const std::vector<double>& times,
-                                    bool batch) {
+std::vector<State> theta_states(const theta::Target& target, const FreeBody& body, const std::vector<double>& times,
+                                bool batch) {
   const ThetaMotion motion(body, ThetaMotion::Span::any, target);
-  std::vector<FreeState> states(times.size());
+  std::vector<State> states(times.size());
   if (!batch) {
     for (std::size_t i = 0; i < times.size(); ++i) states[i] = motion.at(times[i]);
     return states;

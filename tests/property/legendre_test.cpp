@@ -55,12 +55,12 @@ TEST(LegendreProperty, ExtremeBodiesStartAsGivenAndStayFiniteAndUnit) {
   for (int n = 0; n < 5000; ++n) {
     const FreeBody body = random.extreme(n);
     const auto motion = make_legendre(body);
-    const FreeState start = motion->at(0.0);
+    const State start = motion->at(0.0);
     ASSERT_LE(rotation_angle_rad(start.q_inertial_from_body, body.q_inertial_from_body.normalized()), 4e-15) << n;
     ASSERT_LE(momentum_difference(start.momentum_body, body.momentum_body), 4e-15) << n;
     const double scale = body.principal_moments[1] / body.momentum_body.norm();
     for (const double turns : {0.3, -2.0, 1e3, -1e9}) {
-      const FreeState s = motion->at(turns * scale);
+      const State s = motion->at(turns * scale);
       ASSERT_NEAR(s.q_inertial_from_body.norm(), 1.0, 1e-15) << n;
       ASSERT_NEAR(s.momentum_body.norm() / body.momentum_body.norm(), 1.0, 4e-15) << n;
     }
@@ -71,7 +71,7 @@ TEST(LegendreProperty, TinyAxialMomentumOfAProlateTopIsNoPrincipalAxis) {
   // I2 = I3 and m1 = 1e-163: m2 and m3 stand still, the body turns about them; m1^2 underflows.
   const FreeBody body{{1.0, 2.0, 2.0}, Quaternion::Identity(), {1e-163, 3.0, 4.0}};
   for (const double t : {1.0, -7.0, 1000.0}) {
-    const FreeState s = make_legendre(body)->at(t);
+    const State s = make_legendre(body)->at(t);
     const double half = 0.5 * std::remainder(2.5 * t, 4.0 * std::acos(-1.0));
     const Quaternion wanted(std::cos(half), 0.0, 0.6 * std::sin(half), 0.8 * std::sin(half));
     EXPECT_LE(rotation_angle_rad(s.q_inertial_from_body, wanted), 1e-12);
@@ -87,7 +87,7 @@ TEST(LegendreProperty, AgreesWithTheta) {  // no formula in common
     const auto legendre = make_legendre(body);
     const ThetaMotion theta(body);
     for (const double t : {0.0, 0.7, -30.0, 1e5}) {
-      const FreeState a = legendre->at(t), b = theta.at(t);
+      const State a = legendre->at(t), b = theta.at(t);
       const double d = rotation_angle_rad(a.q_inertial_from_body, b.q_inertial_from_body) +
                        momentum_difference(a.momentum_body, b.momentum_body);
       ASSERT_LE(d, 1e-13) << n << " t=" << t;

@@ -36,7 +36,7 @@ TEST(RandomBodies, ThetaAndLegendreAgree) {
     const FreeBody body{i, Quaternion(normal(), normal(), normal(), normal()), Vector3(normal(), normal(), normal())};
     const double turn_s = 2 * i[1] / body.momentum_body.norm();
     const double t = std::pow(10.0, uniform(-3, 9)) * turn_s * (n % 2 == 0 ? 1 : -1);
-    const FreeState one = ThetaMotion(body).at(t), other = make_legendre(body)->at(t);
+    const State one = ThetaMotion(body).at(t), other = make_legendre(body)->at(t);
     const double error = std::max(rotation_angle_rad(one.q_inertial_from_body, other.q_inertial_from_body),
                                   (one.momentum_body - other.momentum_body).norm() / body.momentum_body.norm()) /
                          (std::numeric_limits<double>::epsilon() * condition_number(method("theta").make, body, t));

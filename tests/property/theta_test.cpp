@@ -66,7 +66,7 @@ class Bodies {
 
 double fastest(const FreeBody& b) { return b.momentum_body.cwiseQuotient(b.principal_moments).stableNorm(); }
 
-double attitude_error(const FreeState& a, const FreeState& b) {
+double attitude_error(const State& a, const State& b) {
   return rotation_angle_rad(a.q_inertial_from_body, b.q_inertial_from_body);
 }
 /// Squares may underflow; a momentum of 0 stays so to the last digit.
@@ -74,9 +74,7 @@ double momentum_error(const Vector3& a, const Vector3& b) {
   const double off = (a - b).stableNorm();
   return off == 0.0 ? 0.0 : off / b.stableNorm();
 }
-double momentum_error(const FreeState& a, const FreeState& b) {
-  return momentum_error(a.momentum_body, b.momentum_body);
-}
+double momentum_error(const State& a, const State& b) { return momentum_error(a.momentum_body, b.momentum_body); }
 
 /// Largest error over all cases, NaN kept, with the case that gave it.
 class Worst {
@@ -104,7 +102,7 @@ TEST(ThetaProperty, TheStateAtZeroIsTheGivenOne) {
   Worst worst(4 * kEps);
   for (int n = 0; n < 20000; ++n) {
     const FreeBody b = bodies.next();
-    const FreeState s = ThetaMotion(b).at(0.0);
+    const State s = ThetaMotion(b).at(0.0);
     worst.add(rotation_angle_rad(s.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
     worst.add((s.momentum_body - b.momentum_body).norm() / b.momentum_body.norm(), n);
     worst.add(std::abs(s.q_inertial_from_body.norm() - 1.0) * 2, n);
@@ -118,8 +116,8 @@ TEST(ThetaProperty, SpansCompose) {
     const FreeBody b = bodies.next();
     const ThetaMotion whole(b);
     const double t1 = bodies.uniform(-2, 2) / fastest(b), t2 = bodies.uniform(-2, 2) / fastest(b);
-    const FreeState middle = whole.at(t1);
-    const FreeState end = ThetaMotion({b.principal_moments, middle.q_inertial_from_body, middle.momentum_body}).at(t2);
+    const State middle = whole.at(t1);
+    const State end = ThetaMotion({b.principal_moments, middle.q_inertial_from_body, middle.momentum_body}).at(t2);
     const double allowed = growth(b, std::abs(t1) + std::abs(t2));
     worst.add(attitude_error(end, whole.at(t1, t2)) / allowed, n);
     worst.add(momentum_error(end, whole.at(t1, t2)) / allowed, n);
@@ -132,8 +130,8 @@ TEST(ThetaProperty, TimeReverses) {
   for (int n = 0; n < 5000; ++n) {
     const FreeBody b = bodies.next();
     const double t = bodies.uniform(0, 4) / fastest(b);
-    const FreeState there = ThetaMotion(b).at(t);
-    const FreeState back = ThetaMotion({b.principal_moments, there.q_inertial_from_body, -there.momentum_body}).at(t);
+    const State there = ThetaMotion(b).at(t);
+    const State back = ThetaMotion({b.principal_moments, there.q_inertial_from_body, -there.momentum_body}).at(t);
     const double allowed = growth(b, t);
     worst.add(rotation_angle_rad(back.q_inertial_from_body, b.q_inertial_from_body.normalized()) / allowed, n);
     worst.add((back.momentum_body + b.momentum_body).norm() / b.momentum_body.norm() / allowed, n);
@@ -149,8 +147,8 @@ TEST(ThetaProperty, UnitsAreFree) {  // powers of two: the same bits
     const FreeBody scaled{b.principal_moments * std::ldexp(1.0, inertia_exponent), b.q_inertial_from_body,
                           b.momentum_body * std::ldexp(1.0, momentum_exponent)};
     const double t = bodies.uniform(-100, 100) / fastest(b);
-    const FreeState one = ThetaMotion(b).at(t);
-    const FreeState other = ThetaMotion(scaled).at(std::ldexp(t, inertia_exponent - momentum_exponent));
+    const State one = ThetaMotion(b).at(t);
+    const State other = ThetaMotion(scaled).at(std::ldexp(t, inertia_exponent - momentum_exponent));
     ASSERT_EQ(one.q_inertial_from_body.coeffs(), other.q_inertial_from_body.coeffs()) << n;
     ASSERT_EQ(Vector3(one.momentum_body * std::ldexp(1.0, momentum_exponent)), other.momentum_body) << n;
   }
@@ -162,10 +160,10 @@ TEST(ThetaProperty, AxesMayPointEitherWay) {  // the same body in axes turned by
   for (int n = 0; n < 3000; ++n) {
     const FreeBody b = bodies.next();
     const double t = bodies.uniform(-5, 5) / fastest(b);
-    const FreeState one = ThetaMotion(b).at(t);
+    const State one = ThetaMotion(b).at(t);
     for (int axis = 0; axis < 3; ++axis) {
       Quaternion turn(0, axis == 0, axis == 1, axis == 2);
-      const FreeState other =
+      const State other =
           ThetaMotion({b.principal_moments, b.q_inertial_from_body * turn.conjugate(), turn * b.momentum_body}).at(t);
       worst.add(rotation_angle_rad(other.q_inertial_from_body * turn, one.q_inertial_from_body), n);
       worst.add((turn.conjugate() * other.momentum_body - one.momentum_body).norm() / one.momentum_body.norm(), n);
@@ -182,7 +180,7 @@ TEST(ThetaProperty, AxesMayBePermuted) {  // the same body with its axes named i
     const Vector3& i = b.principal_moments;
     if (i[0] + i[1] < i[2]) continue;  // no mass distribution has this tensor
     const double t = bodies.uniform(-5, 5) / fastest(b);
-    const FreeState one = ThetaMotion(b).at(t);
+    const State one = ThetaMotion(b).at(t);
     int order[3] = {0, 1, 2};
     do {
       Matrix3 named = Matrix3::Zero();  // v_named = named v_principal
@@ -192,7 +190,7 @@ TEST(ThetaProperty, AxesMayBePermuted) {  // the same body with its axes named i
       const Inertia inertia = inertia_from_moments(moments_named, false);
       const Matrix3 turn = inertia.named_from_principal.transpose() * named;  // to the axes found from those of b
       const Quaternion q_turn = Quaternion(turn).normalized();
-      const FreeState other =
+      const State other =
           ThetaMotion({inertia.principal_moments, b.q_inertial_from_body.normalized() * q_turn.conjugate(),
                        turn * b.momentum_body})
               .at(t);
@@ -211,8 +209,8 @@ TEST(ThetaProperty, InertialFrameIsFree) {
     const FreeBody b = bodies.next();
     const Quaternion turn = Quaternion(bodies.normal(), bodies.normal(), bodies.normal(), bodies.normal()).normalized();
     const double t = bodies.uniform(-1e6, 1e6) / fastest(b);
-    const FreeState one = ThetaMotion(b).at(t);
-    const FreeState other = ThetaMotion({b.principal_moments, turn * b.q_inertial_from_body, b.momentum_body}).at(t);
+    const State one = ThetaMotion(b).at(t);
+    const State other = ThetaMotion({b.principal_moments, turn * b.q_inertial_from_body, b.momentum_body}).at(t);
     worst.add(rotation_angle_rad(turn * one.q_inertial_from_body, other.q_inertial_from_body), n);
     ASSERT_EQ(one.momentum_body, other.momentum_body) << n;
   }
@@ -230,12 +228,12 @@ TEST(ThetaProperty, ObeysTheEquationsOfMotion) {  // central differences of orde
     Vector3 m_rate = Vector3::Zero();
     const double weights[] = {3.0 / 4, -3.0 / 20, 1.0 / 60};
     for (int k = 1; k <= 3; ++k) {
-      const FreeState later = motion.at(t, k * h), earlier = motion.at(t, -k * h);
+      const State later = motion.at(t, k * h), earlier = motion.at(t, -k * h);
       q_rate +=
           weights[k - 1] * (scalar_first(later.q_inertial_from_body) - scalar_first(earlier.q_inertial_from_body)) / h;
       m_rate += weights[k - 1] * (later.momentum_body - earlier.momentum_body) / h;
     }
-    const FreeState s = motion.at(t);
+    const State s = motion.at(t);
     const StateRates k = state_rates(b.principal_moments, s);
     worst.add((q_rate - k.q_rate_scalar_first_s).norm() / bound, n);
     worst.add((m_rate - s.momentum_body.cross(k.omega_body_rad_s)).norm() / (bound * s.momentum_body.norm()), n);
@@ -348,12 +346,12 @@ TEST(ThetaProperty, ExtremeBodiesKeepTheirStateAndTheirMotion) {
     const FreeBody b{Vector3(1, i2, i3) * tiny(140), Quaternion(1, 2, 3, 4), m * tiny(140)};
     if (b.momentum_body.stableNorm() < kLeastMagnitude) continue;
     const ThetaMotion motion(b);
-    const FreeState s = motion.at(0.0);
+    const State s = motion.at(0.0);
     start.add(rotation_angle_rad(s.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
     start.add(momentum_error(s.momentum_body, b.momentum_body), n);
     const double t = std::clamp(bodies.uniform(-3, 3) / fastest(b), -1e300, 1e300);
-    const FreeState there = motion.at(t);
-    const FreeState back = ThetaMotion({b.principal_moments, there.q_inertial_from_body, there.momentum_body}).at(-t);
+    const State there = motion.at(t);
+    const State back = ThetaMotion({b.principal_moments, there.q_inertial_from_body, there.momentum_body}).at(-t);
     later.add(rotation_angle_rad(back.q_inertial_from_body, b.q_inertial_from_body.normalized()), n);
     later.add(momentum_error(back.momentum_body, b.momentum_body), n);
   }
@@ -367,7 +365,7 @@ TEST(ThetaProperty, ExtremeInputsStayFiniteAndUnit) {
          {Vector3(1, 2, 3), Vector3(1, 1, 2), Vector3(1, 2, 2), Vector3(1, 1 + kEps, 1 + 2 * kEps)}) {
       const ThetaMotion motion({i, Quaternion(1, 2, 3, 4), m});
       for (double t : {0.0, 1.0, 1e-30, -1e5, 1e18, -1e40, 1e200}) {
-        const FreeState s = motion.at(t);
+        const State s = motion.at(t);
         if (!std::isfinite(t * m.norm())) continue;
         EXPECT_LE(std::abs(s.q_inertial_from_body.norm() - 1), 2 * kEps) << m.transpose() << "; " << t;
         EXPECT_TRUE(s.momentum_body.allFinite());
@@ -393,7 +391,7 @@ TEST(ThetaProperty, AnyTimeHasAStateOfTheBody) {
     Worst unit(2 * kEps), kept(1e-14);
     for (int n = 0; n < 20000; ++n) {
       const double t = std::pow(10.0, bodies.uniform(10, 40)) * (n % 2 == 0 ? 1 : -1);
-      const FreeState s = motion.at(t);
+      const State s = motion.at(t);
       unit.add(std::abs(s.q_inertial_from_body.norm() - 1.0), n);
       kept.add(std::abs(s.momentum_body.norm() / b.momentum_body.norm() - 1.0), n);
       kept.add(std::abs(s.momentum_body.dot(s.momentum_body.cwiseQuotient(b.principal_moments)) / energy - 1.0), n);
@@ -460,7 +458,7 @@ TEST(ThetaProperty, BatchIsTheSameInEveryLayoutAndAsSingleCalls) {
     motion.batch({t, low}, arrays);
     motion.batch({t, low}, spread);
     for (std::size_t i = 0; i < count; ++i) {
-      const FreeState s = motion.at(t[i], low[i]);
+      const State s = motion.at(t[i], low[i]);
       const Eigen::Vector4d sq = scalar_first(s.q_inertial_from_body);
       for (std::size_t k = 0; k < 7; ++k) {
         const double expected = k < 4 ? q[4 * i + k] : m[3 * i + k - 4];
@@ -491,7 +489,7 @@ TEST(ThetaProperty, TimesOfAllSizesInOneBatchAsInSingleCalls) {
       }
       const Rows batch = rows(*targets[k], motion.solution(), t);
       for (std::size_t i = 0; i < t.size(); ++i) {
-        const FreeState s = motion.at(t[i]);
+        const State s = motion.at(t[i]);
         worst.add((scalar_first(s.q_inertial_from_body) - Eigen::Map<const Eigen::Vector4d>(&batch.q[4 * i])).norm(),
                   n);
         worst.add(momentum_error(Eigen::Map<const Vector3>(&batch.m[3 * i]), s.momentum_body), n);
@@ -545,7 +543,7 @@ TEST(ThetaEvents,
     const MeanRates rates = mean_rates(motion);
     const double period = rates.polhode_period_s;
     if (!std::isfinite(period) || period * fastest(b) > 1e5) continue;
-    const FreeState start = motion.at(0.0), end = motion.at(period);
+    const State start = motion.at(0.0), end = motion.at(period);
     ASSERT_LE(momentum_error(end, start), 1e-10) << n;
     const Vector3 l = (start.q_inertial_from_body * start.momentum_body).normalized();
     for (double rate : {rates.long_axis_precession_rad_s, rates.short_axis_precession_rad_s}) {

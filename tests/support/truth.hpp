@@ -37,7 +37,7 @@ struct RowError {
   double norm_eps;      // | |q| - 1 |
 };
 
-inline RowError row_error(const FreeState& answer, const TruthRow& truth) {
+inline RowError row_error(const State& answer, const TruthRow& truth) {
   const Eigen::Vector4d q = scalar_first(answer.q_inertial_from_body);
   const Quad a[4] = {q[0], q[1], q[2], q[3]}, *b = truth.q;
   const Quad w = a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3];

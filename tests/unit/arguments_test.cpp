@@ -250,7 +250,7 @@ TEST(Arguments, ATimeThatIsNotFiniteGivesNan) {
     std::vector<double> q(4 * times.size()), m(3 * times.size());
     motion->batch({times}, StateArrays::of_structures(q.data(), m.data()));
     for (std::size_t i = 0; i < times.size(); ++i) {
-      const FreeState alone = motion->at(times[i]);
+      const State alone = motion->at(times[i]);
       for (std::size_t k = 0; k < 4; ++k)
         EXPECT_EQ(std::isfinite(q[4 * i + k]), std::isfinite(times[i])) << method.name;
       EXPECT_EQ(alone.q_inertial_from_body.coeffs().allFinite(), std::isfinite(times[i])) << method.name << times[i];
@@ -330,7 +330,7 @@ TEST(Arguments, MotionsCanBeMovedAndKeptInAVector) {
               TorquedMotion(body, constant_torque(), {1e-9, 0.0, 5.0}).at(4.0).momentum_body);
   }
   static_assert(std::is_nothrow_move_constructible_v<ThetaMotion> && std::is_move_assignable_v<TorquedMotion> &&
-                std::is_move_constructible_v<KickedMotion> && !std::is_copy_constructible_v<FreeMotion>);
+                std::is_move_constructible_v<KickedMotion> && !std::is_copy_constructible_v<Motion>);
 }
 
 TEST(Arguments, NothingPointsIntoWhatTheCallerFreed) {

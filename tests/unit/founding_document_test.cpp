@@ -211,8 +211,8 @@ TEST(LegendreDerivation, TheInterchangeOfParameterIsTheSameIntegral) {  // legen
   }
 }
 
-double difference(const FreeMotion& a, const FreeMotion& b, double t) {
-  const FreeState x = a.at(t), y = b.at(t);
+double difference(const Motion& a, const Motion& b, double t) {
+  const State x = a.at(t), y = b.at(t);
   return rotation_angle_rad(x.q_inertial_from_body, y.q_inertial_from_body) +
          (x.momentum_body - y.momentum_body).norm() / y.momentum_body.norm();
 }

@@ -32,7 +32,7 @@ KeplerElements with_right_angle(KeplerElements orbit) {
 constexpr double kEarth = 3.986004418e14;
 const std::string kScenes = POLHODE_DATA_DIR "/scenes/";
 
-double turned_rad(const FreeMotion& a, const FreeMotion& b, double t) {
+double turned_rad(const Motion& a, const Motion& b, double t) {
   return rotation_angle_rad(a.at(t).q_inertial_from_body, b.at(t).q_inertial_from_body);
 }
 
@@ -70,12 +70,12 @@ TEST(Planner, EverySceneStaysWithinItsAccuracyOfTheFullModel) {
 }
 
 /// An accurate run of (10,6,4) at short steps: `parts` states over the span, the start left out.
-std::vector<FreeState> accurate_states(const FreeBody& body, const Torques& torques, double last_s, int parts,
-                                       double step_rad) {
+std::vector<State> accurate_states(const FreeBody& body, const Torques& torques, double last_s, int parts,
+                                   double step_rad) {
   const double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
   const auto steps = static_cast<int>(std::ceil(last_s / parts * rate / step_rad));
   SplittingRun run(body, 0.0, torques, kNear1064);
-  std::vector<FreeState> states;
+  std::vector<State> states;
   for (int part = 0; part < parts; ++part) {
     for (int i = 0; i < steps; ++i) run.step(last_s / parts / steps);
     states.push_back(run.state());
@@ -90,7 +90,7 @@ TEST(Planner, AMonthOfEnvisatAtOneDegreeTakesAHandfulOfKicksPerTurn) {
   EXPECT_TRUE(plan.few_kicks);
   const PlannedMotion planned = planned_motion(plan, body, scene.first_s, scene.last_s);
   // (10,6,4) at a step of 1.5 rad is good to 0.01 deg over the month.
-  const std::vector<FreeState> exact = accurate_states(body, scene.torques, scene.last_s, 60, 1.5);
+  const std::vector<State> exact = accurate_states(body, scene.torques, scene.last_s, 60, 1.5);
   double worst = 0.0;
   for (std::size_t i = 0; i < exact.size(); ++i) {
     const double t = scene.last_s * static_cast<double>(i + 1) / static_cast<double>(exact.size());
@@ -145,7 +145,7 @@ TEST(Planner, FewKicksKeepTheirPromiseOnRandomSatellites) {
     if (!motion) continue;
     ++served;
     EXPECT_LE(motion->error_rad(), tolerance_rad);
-    const std::vector<FreeState> exact = accurate_states(body, torques, last_s, 12, 1.2);
+    const std::vector<State> exact = accurate_states(body, torques, last_s, 12, 1.2);
     double worst = 0.0;
     for (std::size_t i = 0; i < exact.size(); ++i) {
       const double t = last_s * static_cast<double>(i + 1) / static_cast<double>(exact.size());
@@ -350,11 +350,11 @@ TEST(Scenes, ApophisOverTheEncounterPhase) {
   std::vector<double> shifts_deg;
   constexpr int count = 400;
   for (int i = 0; i < count; ++i) {  // the state of another time at the epoch: another pair of phases
-    const FreeState state = before.at(i * 3.7e4);
+    const State state = before.at(i * 3.7e4);
     const FreeBody body{start.principal_moments, state.q_inertial_from_body, state.momentum_body};
     const TorquedMotion motion(body, scene.torques, {1e-5, 0.0, scene.last_s});
     ASSERT_EQ(motion.outcome(), Outcome::done);
-    const FreeState end = motion.at(scene.last_s);
+    const State end = motion.at(scene.last_s);
     const Vector3 L0 = state.q_inertial_from_body * state.momentum_body;
     const Vector3 L1 = end.q_inertial_from_body * end.momentum_body;
     shifts_deg.push_back(std::atan2(L0.cross(L1).norm(), L0.dot(L1)) / deg);
@@ -394,7 +394,7 @@ TEST(Scenes, ToutatisFrom1992To2008) {
   const Quaternion seen = turn(86.2 * deg, Vector3::UnitZ()) * turn(85.0 * deg, Vector3::UnitX()) *
                           turn(0.3 * deg, Vector3::UnitZ());  // frame from their axes: intermediate, short, long
   const Matrix3 named_from_principal = scene.body.inertia->named_from_principal;
-  const auto axes_off_deg = [&](const FreeState& state) {  // long, intermediate, short
+  const auto axes_off_deg = [&](const State& state) {  // long, intermediate, short
     const Matrix3 frame_from_principal = state.q_inertial_from_body.toRotationMatrix();
     Vector3 off;
     for (int i = 0; i < 3; ++i) {
@@ -410,7 +410,7 @@ TEST(Scenes, ToutatisFrom1992To2008) {
 
   const TorquedMotion motion(body, scene.torques, {1e-4, 0.0, scene.last_s});
   ASSERT_EQ(motion.outcome(), Outcome::done);
-  const FreeState end = motion.at(t);
+  const State end = motion.at(t);
   const Vector3 torqued_off = axes_off_deg(end);
   const Vector3 L0 = body.q_inertial_from_body * body.momentum_body, L1 = end.q_inertial_from_body * end.momentum_body;
   const double moved_deg = std::atan2(L0.cross(L1).norm(), L0.dot(L1)) / deg;

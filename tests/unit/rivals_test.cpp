@@ -248,7 +248,7 @@ double energy(const FreeBody& body, const Vector3& m) {
   return 0.5 * m.cwiseProduct(m).cwiseQuotient(body.principal_moments).sum();
 }
 
-Errors errors_of(const FreeMotion& motion, const FreeBody& body, const std::vector<double>& times) {
+Errors errors_of(const Motion& motion, const FreeBody& body, const std::vector<double>& times) {
   std::vector<double> q(4 * times.size()), m(3 * times.size());
   motion.batch({times}, StateArrays::of_structures(q.data(), m.data()));
   const auto [first, last] = std::minmax_element(times.begin(), times.end());
@@ -291,7 +291,7 @@ TEST(Rivals, AnswerEveryInstantInAnyOrder) {
     EXPECT_LT(e.attitude, accuracy) << method.name;
     EXPECT_LT(e.momentum, accuracy) << method.name;
     // One at a time gives what the batch gives.
-    const FreeState one = motion->at(19.5, 0.5);
+    const State one = motion->at(19.5, 0.5);
     const double time = 20.0;
     double q[4], m[3];
     motion->batch({{&time, 1}}, StateArrays::of_structures(q, m));
@@ -304,7 +304,7 @@ TEST(Rivals, RestStaysAtRest) {
   FreeBody body = tumbling_body();
   body.momentum_body.setZero();
   for (const MeasuredMethod& method : integrators()) {
-    const FreeState s = method.make(body)->at(1e9);
+    const State s = method.make(body)->at(1e9);
     EXPECT_EQ(s.momentum_body.norm(), 0.0) << method.name;
     EXPECT_EQ(s.q_inertial_from_body.z(), 0.5) << method.name;
   }
@@ -379,9 +379,9 @@ FreeBody satellite() {
 double torqued_error(const TorquedMethod& method, const Torques& torques, const StepControl& control) {
   const FreeBody body = satellite();
   const std::vector<double> times{25.0, -60.0, 40.0, 55.0, 140.0, 200.0, 0.0};
-  static const std::vector<FreeState> truth = [&] {
+  static const std::vector<State> truth = [&] {
     const TorquedMotion reference(body, torques, {1e-15, -60.0, 200.0, "extrapolation"});
-    std::vector<FreeState> states;
+    std::vector<State> states;
     states.reserve(times.size());
     for (const double t : times) states.push_back(reference.at(t));
     return states;
@@ -389,7 +389,7 @@ double torqued_error(const TorquedMethod& method, const Torques& torques, const 
   const IntegratedMotion motion(body, torques, control, method.run, method.scheme);
   double worst = 0.0;
   for (std::size_t i = 0; i < times.size(); ++i) {
-    const FreeState one = motion.at(times[i]);
+    const State one = motion.at(times[i]);
     const double error = rotation_angle_rad(one.q_inertial_from_body.normalized(), truth[i].q_inertial_from_body) +
                          (one.momentum_body - truth[i].momentum_body).norm() / truth[i].momentum_body.norm();
     if (!(error <= worst)) worst = error;

@@ -44,19 +44,19 @@ TorquedOptions by(std::string_view method, TorquedOptions options) {
   return options;
 }
 
-FreeState run(const FreeBody& body, const Torques& torques, std::string_view scheme, double span_s, int steps) {
+State run(const FreeBody& body, const Torques& torques, std::string_view scheme, double span_s, int steps) {
   SplittingRun r(body, 0.0, torques, splitting_scheme(scheme));
   for (int i = 0; i < steps; ++i) r.step(span_s / steps);
   return r.state();
 }
 
-FreeState reference(const FreeBody& body, const Torques& torques, double span_s) {
+State reference(const FreeBody& body, const Torques& torques, double span_s) {
   const TorquedMotion motion(body, torques, {1e-13, std::min(0.0, span_s), std::max(0.0, span_s), "extrapolation"});
   EXPECT_EQ(motion.outcome(), Outcome::done);
   return motion.at(span_s);
 }
 
-double distance(const FreeState& a, const FreeState& b) {
+double distance(const State& a, const State& b) {
   return std::max(rotation_angle_rad(a.q_inertial_from_body, b.q_inertial_from_body),
                   (a.momentum_body - b.momentum_body).norm() / b.momentum_body.norm());
 }
@@ -88,7 +88,7 @@ TEST(Splitting, EverySchemeHasItsOrder) {
     const Torques torques({GravityGradient(near ? kEarth * 1e-4 : kEarth,
                                            KeplerElements{kEarth, kRadius_m, 0.1, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
     const double span_s = 3000.0;
-    const FreeState truth = reference(body, torques, span_s);
+    const State truth = reference(body, torques, span_s);
     for (const auto& w : wanted) {
       double order = 0.0;
       double coarse = distance(run(body, torques, w.scheme, span_s, 4), truth);
@@ -117,7 +117,7 @@ TEST(Splitting, ForwardAndBackwardIsWhereItBegan) {
 }
 
 /// Energy in the frame that turns with a circular orbit, divided by that of rotation: conserved exactly by the motion.
-double jacobi_integral(const FreeBody& body, const FreeState& s, double t_s) {
+double jacobi_integral(const FreeBody& body, const State& s, double t_s) {
   const Vector3 normal(0, 0.6, 0.8);
   const Vector3 r = KeplerOrbit({kEarth, kRadius_m, 0.0, 100.0, {1, 0, 0}, normal}).state(t_s).position_m;
   const Vector3 up = s.q_inertial_from_body.conjugate() * r.normalized();
@@ -163,7 +163,7 @@ TEST(Splitting, KeepsTheMomentumInSpaceExactlyWithoutTorque) {
   SplittingRun r(body, 0.0, none, splitting_scheme("strang"));
   const Vector3 L = body.q_inertial_from_body * body.momentum_body;
   for (int i = 0; i < 10000; ++i) r.step(17.0);
-  const FreeState s = r.state();
+  const State s = r.state();
   EXPECT_LT((s.q_inertial_from_body * s.momentum_body - L).norm(), 2e-15 * L.norm());
 }
 
@@ -236,7 +236,7 @@ TEST(TorquedMotion, EnergyChangesByThePowerOfTheTorques) {
       const double h = 0.5;
       const double rate =
           (8.0 * (energy(t + h) - energy(t - h)) - (energy(t + 2 * h) - energy(t - 2 * h))) / (12.0 * h);
-      const FreeState s = motion.at(t);
+      const State s = motion.at(t);
       const Vector3 omega = s.momentum_body.cwiseQuotient(body.principal_moments);
       const double power = torques.at(t, s.q_inertial_from_body, body.principal_moments).torque(omega).dot(omega);
       EXPECT_NEAR(rate, power, 1e-6 * std::abs(power)) << method << " " << t;
@@ -258,7 +258,7 @@ TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotatio
       return 0.5 * m.dot(m.cwiseQuotient(moments));
     };
     for (const double t : {0.0, 20.0, 150.0, 400.0}) {
-      const FreeState s = motion.at(t);
+      const State s = motion.at(t);
       EXPECT_LT((s.q_inertial_from_body * s.momentum_body - body.momentum_body).norm(), 1e-8 * G) << method << t;
     }
     const double t = 20.0, h = 0.05;
@@ -334,7 +334,7 @@ TEST(Variation, CostsFewTorqueEvaluations) {
   const FreeBody body = satellite({0.02, 0.01, 0.05});
   const double span_s =
       100.0 * 2.0 * std::numbers::pi / body.momentum_body.cwiseQuotient(body.principal_moments).norm();
-  const FreeState truth = reference(body, gravity(), span_s);
+  const State truth = reference(body, gravity(), span_s);
   const Variation variation(body, 0.0, span_s, gravity(), 3e-11, 1'000'000);
   EXPECT_LT(distance(variation.at(span_s), truth), 1e-9);
   EXPECT_LT(variation.torque_evaluations(), 90 * 100U);  // an eighth-order Runge-Kutta method takes 220 a turn
@@ -354,7 +354,7 @@ TEST(Variation, RunsToTwoTolerancesDoNotShareTheirWindows) {
   for (const double part : {1e-4, 1e-6, 1e-8}) {
     const Torques tiny(
         {GravityGradient(part * kEarth, KeplerElements{kEarth, kRadius_m, 0.0, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
-    const FreeState truth = reference(body, tiny, span_s);
+    const State truth = reference(body, tiny, span_s);
     const Variation coarse(body, 0.0, span_s, tiny, 1e-10, 1'000'000);
     const Variation fine(body, 0.0, span_s, tiny, 1e-10 / 16.0, 1'000'000);
     EXPECT_NE(coarse.windows(), fine.windows()) << part;
@@ -551,7 +551,7 @@ TEST(TorquedMotion, TakesVariationForSmallTorquesAndExtrapolationForOthers) {
 TEST(TorquedMotion, BothMethodsAgreeWithinTheTolerance) {
   const FreeBody body = satellite({0.002, 0.001, 0.006});
   const Torques torques = gravity(0.3);
-  const FreeState truth = reference(body, torques, 20000.0);
+  const State truth = reference(body, torques, 20000.0);
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
     const TorquedMotion motion(body, torques, {tolerance, 0.0, 20000.0});
     EXPECT_EQ(motion.outcome(), Outcome::done);
@@ -612,7 +612,7 @@ TEST(TorquedMotion, DampingMayTakeAllMomentum) {
     TorquedOptions options{1e-6, 0.0, 0.0, name};
     options.last_s = 400.0 * body.principal_moments[2];
     const TorquedMotion motion(body, Torques({LinearDamping{Vector3::Ones()}}), options);
-    const FreeState end = motion.at(options.last_s);
+    const State end = motion.at(options.last_s);
     EXPECT_NEAR(end.q_inertial_from_body.norm(), 1.0, 1e-14) << name;
     EXPECT_LT(end.momentum_body.norm(), 1e-100) << name;
   }

@@ -18,7 +18,7 @@ void check_time(double t_s) {
 }
 
 /// The largest response at any of the times, in radians; NaN if one is.
-double largest_response_rad(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body,
+double largest_response_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), const FreeBody& body,
                             std::span<const double> times_s, double change) {
   const auto motion = make(body);
   double worst = 0.0;
@@ -52,13 +52,13 @@ constexpr double kChange = 1e-12;  // far above rounding, far below what bends t
 
 }  // namespace
 
-double condition_number(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body, double t_s) {
+double condition_number(std::unique_ptr<Motion> (*make)(const FreeBody&), const FreeBody& body, double t_s) {
   check_time(t_s);
   const double response_rad = largest_response_rad(make, body, {&t_s, 1}, kChange);
   return response_rad <= kChange ? 1.0 : response_rad / kChange;
 }
 
-double free_motion_error_rad(std::unique_ptr<FreeMotion> (*make)(const FreeBody&), const FreeBody& body, double first_s,
+double free_motion_error_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), const FreeBody& body, double first_s,
                              double last_s) {
   check_time(first_s);
   check_time(last_s);

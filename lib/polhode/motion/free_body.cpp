@@ -26,7 +26,7 @@ FreeBody free_body(const Body& body, Frame inertial) {
   return checked(free);
 }
 
-NamedState named_state(const FreeBody& body, const FreeState& state) {
+NamedState named_state(const FreeBody& body, const State& state) {
   const Matrix3& named_from_principal = body.named_from_principal;
   return {state.q_inertial_from_body * Quaternion(named_from_principal).normalized().conjugate(),
           named_from_principal * state.momentum_body.cwiseQuotient(body.principal_moments),

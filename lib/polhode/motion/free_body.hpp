@@ -19,6 +19,6 @@ struct NamedState {
 };
 
 /// What a motion of this body answers, in those axes.
-NamedState named_state(const FreeBody& body, const FreeState& state);
+NamedState named_state(const FreeBody& body, const State& state);
 
 }  // namespace polhode

@@ -30,12 +30,12 @@ constexpr double kLeastSeparatrixDistance = 0.02;  // of G^2/(2 E I2) from 1
 constexpr double kMostRateChange = 0.2;            // over the span, since the steps stay as long as they are
 
 /// Mean rate of rotation: of slow quantities only, so that steps do not follow the tumbling.
-double mean_rate_rad_s(const Vector3& moments, const FreeState& state) {
+double mean_rate_rad_s(const Vector3& moments, const State& state) {
   const double momentum = state.momentum_body.norm();
   return momentum > 0.0 ? state.momentum_body.dot(state.momentum_body.cwiseQuotient(moments)) / momentum : 0.0;
 }
 
-double separatrix_distance(const Vector3& moments, const FreeState& state) {
+double separatrix_distance(const Vector3& moments, const State& state) {
   const Vector3& m = state.momentum_body;
   return std::abs(m.squaredNorm() / (m.dot(m.cwiseQuotient(moments)) * moments[1]) - 1.0);
 }
@@ -58,7 +58,7 @@ class KickedMotion::Runner {
 
   /// One way from t = 0 to end_s, with `take` after each step.
   template <class Take>
-  void run(const FreeState& start, double end_s, double step_rad, const Take& take) {
+  void run(const State& start, double end_s, double step_rad, const Take& take) {
     SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, 0.0, torques_, kStrang);
     // Steps that followed the rate would follow its swings too, and beat with the torque.
     const double rate = mean_rate_rad_s(moments_, start);
@@ -73,13 +73,13 @@ class KickedMotion::Runner {
   }
 
   /// How fast a run from here departs from an accurate one, rad/s.
-  double drift_rad_s(const FreeState& start, double direction, double step_rad) {
+  double drift_rad_s(const State& start, double direction, double step_rad) {
     const double turn_s = kTurn_rad / mean_rate_rad_s(moments_, start);
     SplittingRun exact({moments_, start.q_inertial_from_body, start.momentum_body}, 0.0, torques_, kNear1064);
     std::vector<double> times_s;
     std::vector<Vector3> offsets;
     double next_s = 0.0;
-    run(start, direction * kWindowTurns * turn_s, step_rad, [&](double t_s, const FreeState& state) {
+    run(start, direction * kWindowTurns * turn_s, step_rad, [&](double t_s, const State& state) {
       if (direction * (t_s - next_s) < 0.0) return;
       next_s = t_s + direction * 0.35 * turn_s;
       exact.step(t_s - exact.t_s());
@@ -118,7 +118,7 @@ bool applies(const FreeBody& body, const Torques& torques, const KickedOptions& 
   if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
     throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
   }
-  const FreeState start{body.q_inertial_from_body, body.momentum_body};
+  const State start{body.q_inertial_from_body, body.momentum_body};
   const double rate = mean_rate_rad_s(body.principal_moments, start);
   const double span_s = std::max(options.last_s, -options.first_s);
   if (!(rate * span_s >= kFewestTurns * kTurn_rad) || torques.empty()) return false;
@@ -204,12 +204,12 @@ std::unique_ptr<const KickedMotion> KickedMotion::make(const FreeBody& body, con
 }
 
 bool KickedMotion::run(const FreeBody& body, double step_rad, Runner& runner) {
-  const FreeState start{body.q_inertial_from_body.normalized(), body.momentum_body};
+  const State start{body.q_inertial_from_body.normalized(), body.momentum_body};
   const double rate = mean_rate_rad_s(moments_, start);
   nodes_.push_back({0.0, start});
   bool regular = true;
   for (const double end_s : {options_.first_s, options_.last_s}) {
-    runner.run(start, end_s, step_rad, [&](double t_s, const FreeState& state) {
+    runner.run(start, end_s, step_rad, [&](double t_s, const State& state) {
       nodes_.push_back({t_s, state});
       regular = regular && separatrix_distance(moments_, state) >= kLeastSeparatrixDistance &&
                 std::abs(mean_rate_rad_s(moments_, state) / rate - 1.0) <= kMostRateChange;
@@ -236,7 +236,7 @@ MotionAccount KickedMotion::account() const {
           evaluations_};
 }
 
-FreeState KickedMotion::at(double t_high_s, double t_low_s) const {
+State KickedMotion::at(double t_high_s, double t_low_s) const {
   if (std::isnan(t_high_s + t_low_s)) return nan_state();
   const double room_s = end_room_s(options_.last_s - options_.first_s);
   if (!(t_high_s >= options_.first_s - room_s && t_high_s <= options_.last_s + room_s)) {

@@ -27,7 +27,7 @@ struct KickedOptions {
 /// one, which is kept. The step is chosen by a trial of a hundred turns at the start.
 ///
 /// A state is exact free motion from the middle between two kicks: rows cost no torque evaluations.
-class KickedMotion final : public FreeMotion {
+class KickedMotion final : public Motion {
  public:
   /// Nothing where the span has too few turns, the surroundings change too fast, the motion is too near the separatrix,
   /// a torque jumps, or the tolerance is not met, or not within the limit of evaluations: another method is then
@@ -42,7 +42,7 @@ class KickedMotion final : public FreeMotion {
                                                      const KickedOptions& options);
 
   /// Throws InputError for a time outside of the span by more than end_room_s(); NaN gives NaN.
-  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+  State at(double t_high_s, double t_low_s = 0.0) const override;
 
   double error_rad() const { return error_rad_; }                  ///< estimated, worst of the span
   std::size_t torque_evaluations() const { return evaluations_; }  ///< of all runs, trials included
@@ -52,7 +52,7 @@ class KickedMotion final : public FreeMotion {
   /// Half way between two kicks.
   struct Node {
     double t_s;
-    FreeState state;
+    State state;
   };
   class Runner;
 

@@ -107,7 +107,7 @@ bool momentum_is_constant(const Vector3& I, const Vector3& m) {
   return vanishes(0, 1) && vanishes(1, 2) && vanishes(2, 0);
 }
 
-class ConstantMomentum final : public FreeMotion {
+class ConstantMomentum final : public Motion {
  public:
   explicit ConstantMomentum(const PreferredBody& p, const Vector3& momentum_body)
       : q0_(p.q_inertial_from_body), momentum_body_(momentum_body) {
@@ -122,7 +122,7 @@ class ConstantMomentum final : public FreeMotion {
     half_turn_ = Clock(ldexp(sqrt(square_sum) / (kPi * 4.0), p.rate_exponent), 0.0);
   }
 
-  FreeState at(double t_high_s, double t_low_s) const override {
+  State at(double t_high_s, double t_low_s) const override {
     const double half_angle = 2.0 * std::numbers::pi * half_turn_.at(t_high_s, t_low_s);
     return {(q0_ * about(axis_, half_angle)).normalized(), momentum_body_};
   }
@@ -143,7 +143,7 @@ class Frames {
     r_ = p.q_inertial_from_body * s_.conjugate() * onto_axis(p.m, p.m.norm()).conjugate();
   }
 
-  FreeState state(const Vector3& m, double G, double half_psi) const {
+  State state(const Vector3& m, double G, double half_psi) const {
     const Quaternion y = about(Vector3::Unit(d_), half_psi);
     const Quaternion q = r_ * y * onto_axis(m, G) * s_;
     return {q.normalized(), scaled(m.cwiseProduct(body_sign_), momentum_exponent_)};
@@ -208,7 +208,7 @@ Invariants invariants(const PreferredBody& p) {
 // Cases (i) and (ii). They differ in which axis d carries dn: 1 in case (i), 3 in case (ii); o is the other one, which
 // carries cn. With u = nu - lambda t of Leroy (his lambda is -lambda_3 or -lambda_1 here, sigma being +1 after S):
 //   m_d = B_d dn u,  m_2 = B_2 sn u,  m_o = B_o cn u.
-class Libration final : public FreeMotion {
+class Libration final : public Motion {
  public:
   Libration(const PreferredBody& p, const Invariants& v)
       : d_(v.sign_delta2 < 0 ? 0 : 2), o_(2 - d_), frames_(p, d_), kc_(complementary_modulus(v)), jacobi_(kc_.high) {
@@ -243,7 +243,7 @@ class Libration final : public FreeMotion {
     periodic_at_zero_ = periodic(x0, jacobi_.at_half_period_fraction(x0));
   }
 
-  FreeState at(double t_high_s, double t_low_s) const override {
+  State at(double t_high_s, double t_low_s) const override {
     double x = 2.0 * polhode_.at(t_high_s, t_low_s);  // u / 2K, modulo 2
     double sign = 1.0;
     if (std::abs(x) > 0.5) {
@@ -305,7 +305,7 @@ class Libration final : public FreeMotion {
 
 // Case (iii), the separatrix: hyperbolic functions (Leroy, "Case (iii)" in all three sections; sigma' = sigma'' = 1
 // after S).
-class Separatrix final : public FreeMotion {
+class Separatrix final : public Motion {
  public:
   Separatrix(const PreferredBody& p, const Invariants& v)
       : b_13_((v.root_delta[2] * sqrt(p.I[0] / v.I31)).high),
@@ -322,7 +322,7 @@ class Separatrix final : public FreeMotion {
     half_psi_ = Clock(ldexp(v.G / p.I[1] / (kPi * 4.0), p.rate_exponent), 0.0);
   }
 
-  FreeState at(double t_high_s, double t_low_s) const override {
+  State at(double t_high_s, double t_low_s) const override {
     const double u = u0_ + (lambda_ * t_high_s + lambda_ * t_low_s);
     const double sech = 1.0 / std::cosh(u);
     const Vector3 m(b_13_ * sech, G_ * std::tanh(u), b_31_ * sech);
@@ -342,7 +342,7 @@ class Separatrix final : public FreeMotion {
 
 }  // namespace
 
-std::unique_ptr<FreeMotion> make_legendre(const FreeBody& body) {
+std::unique_ptr<Motion> make_legendre(const FreeBody& body) {
   const PreferredBody p = preferred(checked(body));
   if (momentum_is_constant(p.I, p.m)) return std::make_unique<ConstantMomentum>(p, body.momentum_body);
   const Invariants v = invariants(p);

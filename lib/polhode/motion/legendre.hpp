@@ -11,6 +11,6 @@ namespace polhode {
 /// How its formulas are kept free of cancellation: motion/legendre.md. Measured on the reference corpus: see the
 /// figures in tests/golden/truth_corpus_test.cpp. Shares no formula with the theta solution, whose second opinion it
 /// is.
-std::unique_ptr<FreeMotion> make_legendre(const FreeBody& body);
+std::unique_ptr<Motion> make_legendre(const FreeBody& body);
 
 }  // namespace polhode

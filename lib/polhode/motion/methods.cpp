@@ -21,8 +21,8 @@ constexpr Method kMethods[] = {
      .conserves = kEverything,
      .fails = "nowhere known",
      .source = "theta.md; Jacobi 1850",
-     .make = [](const FreeBody& body) -> std::unique_ptr<FreeMotion> { return std::make_unique<ThetaMotion>(body); },
-     .make_short = [](const FreeBody& body) -> std::unique_ptr<FreeMotion> {
+     .make = [](const FreeBody& body) -> std::unique_ptr<Motion> { return std::make_unique<ThetaMotion>(body); },
+     .make_short = [](const FreeBody& body) -> std::unique_ptr<Motion> {
        return std::make_unique<ThetaMotion>(body, ThetaMotion::Span::step);
      },
      .exact_everywhere = true},

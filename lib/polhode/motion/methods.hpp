@@ -25,9 +25,9 @@ struct Method {
   Conserved conserves;
   std::string_view fails;   ///< where, or "nowhere known"
   std::string_view source;  ///< paper
-  std::unique_ptr<FreeMotion> (*make)(const FreeBody&);
+  std::unique_ptr<Motion> (*make)(const FreeBody&);
   /// The same for one short step inside a splitting method, in plain double; null where there is no cheaper form.
-  std::unique_ptr<FreeMotion> (*make_short)(const FreeBody&) = nullptr;
+  std::unique_ptr<Motion> (*make_short)(const FreeBody&) = nullptr;
   bool exact_everywhere = false;  ///< to rounding, for every body and span: such a method may promise its error unseen
 };
 

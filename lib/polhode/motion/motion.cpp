@@ -22,7 +22,7 @@ const FreeBody& checked(const FreeBody& body) {
   return body;
 }
 
-FreeState nan_state() {
+State nan_state() {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   return {Quaternion(nan, nan, nan, nan), Vector3::Constant(nan)};
 }
@@ -40,10 +40,10 @@ void check_lengths(const TimeArrays& times) {
   }
 }
 
-void FreeMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+void Motion::batch(const TimeArrays& times, const StateArrays& out) const {
   check_lengths(times);
   for (std::size_t i = 0; i < times.high.size(); ++i) {
-    const FreeState s = at(times.high[i], times.low.empty() ? 0.0 : times.low[i]);
+    const State s = at(times.high[i], times.low.empty() ? 0.0 : times.low[i]);
     const Eigen::Vector4d q = scalar_first(s.q_inertial_from_body);
     const auto row = static_cast<std::ptrdiff_t>(i);
     for (int k = 0; k < 4; ++k) out.q[k][row * out.q_stride] = q[k];
@@ -53,7 +53,7 @@ void FreeMotion::batch(const TimeArrays& times, const StateArrays& out) const {
   }
 }
 
-void batch_threads(const FreeMotion& motion, const TimeArrays& times, const StateArrays& out, unsigned thread_count) {
+void batch_threads(const Motion& motion, const TimeArrays& times, const StateArrays& out, unsigned thread_count) {
   check_lengths(times);
   constexpr std::size_t kGrain = 512;  // batches work in blocks of a divisor of this
   parallel_chunks(times.high.size(), kGrain, thread_count, [&](std::size_t begin, std::size_t end) {

@@ -33,7 +33,7 @@ const FreeBody& checked(const FreeBody& body);
 void check_span(double first_s, double last_s);
 
 /// Attitude and angular momentum at one instant.
-struct FreeState {
+struct State {
   Quaternion q_inertial_from_body;  ///< unit to 2 eps, sign continuous in time
   Vector3 momentum_body;            ///< principal axes, unit of FreeBody::momentum_body
 };
@@ -47,7 +47,7 @@ struct MotionAccount {
 };
 
 /// What a motion answers where it has no answer: NaN throughout.
-FreeState nan_state();
+State nan_state();
 
 /// Seconds from t = 0: `high`, or high + low for callers with two parts (they may overlap). Any order, size and sign.
 struct TimeArrays {
@@ -76,31 +76,30 @@ struct StateArrays {
   }
 };
 
-/// A motion, built once, answered at any time. Thread-safe: evaluation changes nothing. The classes of motions can be
-/// copied, moved and kept in a vector.
-class FreeMotion {
+/// A motion, free or under torques, built once, answered at any time. Thread-safe: evaluation changes nothing. The
+/// classes of motions can be copied, moved and kept in a vector.
+class Motion {
  public:
-  virtual ~FreeMotion() = default;
+  virtual ~Motion() = default;
 
   /// State at t = high + low seconds. Of an exact motion it is a state of the body at any finite t, but its phase is
   /// that of t only as far as the arithmetic goes (theta.md, Precision). Where t is NaN, or infinite and the motion has
   /// no span, the attitude is NaN, and so is the momentum unless it stays as it is; a motion that was made for a span
   /// throws InputError for other times outside of it. Batches do the same.
-  virtual FreeState at(double t_high_s, double t_low_s = 0.0) const = 0;
+  virtual State at(double t_high_s, double t_low_s = 0.0) const = 0;
 
   /// States at many times; the default calls at() for each. Allocates nothing.
   virtual void batch(const TimeArrays& times, const StateArrays& out) const;
 
  protected:
-  FreeMotion() = default;
-  FreeMotion(const FreeMotion&) = default;  // not through the base, which would cut a motion down to it
-  FreeMotion(FreeMotion&&) = default;
-  FreeMotion& operator=(const FreeMotion&) = default;
-  FreeMotion& operator=(FreeMotion&&) = default;
+  Motion() = default;
+  Motion(const Motion&) = default;  // not through the base, which would cut a motion down to it
+  Motion(Motion&&) = default;
+  Motion& operator=(const Motion&) = default;
+  Motion& operator=(Motion&&) = default;
 };
 
-/// FreeMotion::batch on several threads, 0 meaning one per core. The results are the same bits for every thread count.
-void batch_threads(const FreeMotion& motion, const TimeArrays& times, const StateArrays& out,
-                   unsigned thread_count = 0);
+/// Motion::batch on several threads, 0 meaning one per core. The results are the same bits for every thread count.
+void batch_threads(const Motion& motion, const TimeArrays& times, const StateArrays& out, unsigned thread_count = 0);
 
 }  // namespace polhode

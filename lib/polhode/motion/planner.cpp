@@ -46,7 +46,7 @@ class Sensitivity {
   Sensitivity(const FreeBody& body, double longest_s) : longest_s_(longest_s) {
     const ThetaMotion whole(body);
     for (const double place : {0.0, 0.2137, 0.5681}) {
-      const FreeState state = whole.at(place * longest_s);
+      const State state = whole.at(place * longest_s);
       const FreeBody here{body.principal_moments, state.q_inertial_from_body, state.momentum_body};
       const ThetaMotion motion(here);
       for (const double size : {1e-7, 1e-4}) {

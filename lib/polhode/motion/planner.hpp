@@ -69,7 +69,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
 
 /// What came of a plan.
 struct PlannedMotion {
-  std::unique_ptr<const FreeMotion> motion;
+  std::unique_ptr<const Motion> motion;
   MotionAccount
       account;  ///< the error with that of dropped effects; the evaluations of all runs, also of those in vain
 };

@@ -85,7 +85,7 @@ void SplittingRun::step(double length_s) {
   for (std::size_t i = 0; i < scheme_.kicks; ++i) {
     drifted += scheme_.drift(i);
     if (!free_) free_.emplace(ThetaMotion::Unchecked{}, body_, ThetaMotion::Span::step);
-    const FreeState now = free_->at(since_kick_s_ + scheme_.drift(i) * length_s);
+    const State now = free_->at(since_kick_s_ + scheme_.drift(i) * length_s);
     body_.q_inertial_from_body = now.q_inertial_from_body;
     body_.momentum_body = now.q_inertial_from_body.conjugate() * momentum_inertial_;
     since_kick_s_ = 0.0;
@@ -97,9 +97,9 @@ void SplittingRun::step(double length_s) {
   t_s_ += length_s;
 }
 
-FreeState SplittingRun::state() const {
+State SplittingRun::state() const {
   if (!free_) return {body_.q_inertial_from_body.normalized(), body_.momentum_body};
-  FreeState state = free_->at(since_kick_s_);
+  State state = free_->at(since_kick_s_);
   state.momentum_body = state.q_inertial_from_body.conjugate() * momentum_inertial_;
   return state;
 }

@@ -57,7 +57,7 @@ class SplittingRun {
   void step(double length_s);
 
   double t_s() const { return t_s_; }
-  FreeState state() const;
+  State state() const;
   std::size_t torque_evaluations() const { return evaluations_; }
 
  private:

@@ -2,7 +2,7 @@
 
 namespace polhode {
 
-StateRates state_rates(const Vector3& principal_moments, const FreeState& state) {
+StateRates state_rates(const Vector3& principal_moments, const State& state) {
   const Vector3& i = principal_moments;
   StateRates k;
   k.omega_body_rad_s = state.momentum_body.cwiseQuotient(i);

@@ -13,6 +13,6 @@ struct StateRates {
 };
 
 /// Each component is good to a few units in its last place, as far as the state is.
-StateRates state_rates(const Vector3& principal_moments, const FreeState& state);
+StateRates state_rates(const Vector3& principal_moments, const State& state);
 
 }  // namespace polhode

@@ -50,8 +50,8 @@ ThetaMotion::ThetaMotion(Unchecked /*unused*/, const FreeBody& body, Span span, 
   (span == Span::any ? target_->build : target_->build_short)(in, solution_);
 }
 
-FreeState ThetaMotion::at(double t_high_s, double t_low_s) const {
-  FreeState state;
+State ThetaMotion::at(double t_high_s, double t_low_s) const {
+  State state;
   target_->at(solution_, t_high_s, t_low_s, state.q_inertial_from_body.coeffs().data(), state.momentum_body.data());
   return state;
 }

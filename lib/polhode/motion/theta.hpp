@@ -13,7 +13,7 @@ namespace polhode {
 ///     m1 + i m2     = 2 i G beta conj(alpha) / N,    m3 = G (|alpha|^2 - |beta|^2) / N     (canonical axes)
 ///
 /// with R and C constant rotations. Near the separatrix the same functions are taken after Jacobi's transformation.
-class ThetaMotion final : public FreeMotion {
+class ThetaMotion final : public Motion {
  public:
   /// What the constants must serve.
   enum class Span {
@@ -33,7 +33,7 @@ class ThetaMotion final : public FreeMotion {
   struct Unchecked {};
   ThetaMotion(Unchecked, const FreeBody& body, Span span, const theta::Target& target = best_target());
 
-  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+  State at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;
 
   const theta::Solution& solution() const { return solution_; }

@@ -37,18 +37,18 @@ constexpr double kGainOfExtrapolation = 10.0, kGainOfExtrapolationInDouble = 2.0
 constexpr double kClaimWithKinks = 4.0;   // of the difference of two runs; errors of 1.6 of it were seen
 constexpr double kAsymptotic_rad = 1e-2;  // runs that differ by more say nothing of each other
 
-ExtendedState extended(const FreeState& state) {
+ExtendedState extended(const State& state) {
   return {state.q_inertial_from_body.cast<long double>(), state.momentum_body.cast<long double>()};
 }
 
 /// A momentum that damping has made less than a FreeBody may have is none.
-FreeState plain(const ExtendedState& state) {
-  FreeState rounded{state.q_inertial_from_body.cast<double>(), state.momentum_body.cast<double>()};
+State plain(const ExtendedState& state) {
+  State rounded{state.q_inertial_from_body.cast<double>(), state.momentum_body.cast<double>()};
   if (rounded.momentum_body.stableNorm() < kLeastMagnitude) rounded.momentum_body.setZero();
   return rounded;
 }
 
-bool is_finite(const FreeState& state) {
+bool is_finite(const State& state) {
   return state.q_inertial_from_body.coeffs().allFinite() && state.momentum_body.allFinite();
 }
 
@@ -140,7 +140,7 @@ class TorquedMotion::Builder {
       return (way.extended ? extrapolated<long double> : extrapolated<double>)(moments, torques, from, length_s, parts,
                                                                                evaluations, local_error);
     }
-    const FreeState start = plain(from.state);
+    const State start = plain(from.state);
     if (!is_finite(start)) return from.state;
     SplittingRun run({moments, start.q_inertial_from_body, start.momentum_body}, from.t_s, torques, *way.scheme);
     for (std::size_t i = 0; i < parts; ++i) run.step(length_s / static_cast<double>(parts));
@@ -257,7 +257,7 @@ class TorquedMotion::Builder {
       const std::vector<Node>& nodes = coarse[l].nodes;
       fine[l].nodes.assign(1, {nodes[0].t_s, state});
       if (way_.scheme != nullptr) {
-        const FreeState start = plain(state);
+        const State start = plain(state);
         if (!is_finite(start)) return false;
         SplittingRun run({moments_, start.q_inertial_from_body, start.momentum_body}, nodes[0].t_s, fine[l].torques,
                          *way_.scheme);
@@ -467,7 +467,7 @@ std::size_t TorquedMotion::steps() const {
   return count;
 }
 
-FreeState TorquedMotion::at(double t_high_s, double t_low_s) const {
+State TorquedMotion::at(double t_high_s, double t_low_s) const {
   if (std::isnan(t_high_s + t_low_s)) return nan_state();
   const double room_s = end_room_s(last_s_ - first_s_);
   if (!(t_high_s >= first_s_ - room_s && t_high_s <= last_s_ + room_s)) {

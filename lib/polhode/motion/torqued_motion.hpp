@@ -60,14 +60,14 @@ constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s
 /// let the error fall as steps shorten: for them error_rad() is four times the difference. Between the ends of steps a
 /// state comes from the polynomials of the variation, or is a shorter step of the same method from the last end: full
 /// order everywhere.
-class TorquedMotion final : public FreeMotion {
+class TorquedMotion final : public Motion {
  public:
   /// Torques are in the axes of body.named_from_principal, as Torques says. Throws InputError for what checked()
   /// refuses, a span without 0, a tolerance that is not positive and finite, an unknown method.
   TorquedMotion(const FreeBody& body, const Torques& torques, const TorquedOptions& options);
 
   /// Throws InputError for a time beyond what was propagated by more than end_room_s(); NaN gives NaN.
-  FreeState at(double t_high_s, double t_low_s = 0.0) const override;
+  State at(double t_high_s, double t_low_s = 0.0) const override;
 
   Outcome outcome() const { return outcome_; }
   const std::string& method() const { return method_; }  ///< the one that gave the states

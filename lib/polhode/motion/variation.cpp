@@ -167,7 +167,7 @@ void Variation::find_places(const Epoch& epoch, int points, variation::Places& p
   kernel_.find_places(epoch.reference, points, p);
 }
 
-FreeState Variation::state(const Epoch& epoch, const variation::Places& p, const AtPoints* values, int point) const {
+State Variation::state(const Epoch& epoch, const variation::Places& p, const AtPoints* values, int point) const {
   Vector3 theta;
   kernel_.angle(epoch.reference, p, values, point, theta.data());
   const Quaternion free(p.q[0][point], p.q[1][point], p.q[2][point], p.q[3][point]);
@@ -393,7 +393,7 @@ class Variation::Iteration {
         const AtPoints* v = orbits_[l];
         around[l] = {{v[0][i], v[1][i], v[2][i]}, {v[3][i], v[4][i], v[5][i]}};
       }
-      const FreeState state = of_.state(*epoch_, places_, values_, i);
+      const State state = of_.state(*epoch_, places_, values_, i);
       const Matrix3 rotation = state.q_inertial_from_body.toRotationMatrix();
       const Vector3 omega = state.momentum_body.cwiseQuotient(of_.moments_);
       const TorqueTerms<double> terms = of_.others_.at(around, rotation, of_.moments_);
@@ -624,7 +624,7 @@ Variation::Variation(const Vector3& principal_moments, const ExtendedState& star
   whole_ = true;
 }
 
-FreeState Variation::at(double t_high_s, double t_low_s) const {
+State Variation::at(double t_high_s, double t_low_s) const {
   if (windows_.empty()) return start_;
   const double direction = windows_.front().length_s;
   const auto after = std::upper_bound(

@@ -45,7 +45,7 @@ class Variation {
   bool whole() const { return whole_; }
   double reached_s() const { return windows_.empty() ? start_s_ : windows_.back().first_s + windows_.back().length_s; }
   /// State at any time between the start and reached_s().
-  FreeState at(double t_high_s, double t_low_s = 0.0) const;
+  State at(double t_high_s, double t_low_s = 0.0) const;
 
   /// Torques felt, at all points of all windows, those in vain included.
   std::size_t torque_evaluations() const { return evaluations_; }
@@ -92,7 +92,7 @@ class Variation {
   Coefficients begin_epoch(double t_s, const Precise& state);
   /// But for the shear, for some of p.since_base_s.
   void find_places(const Epoch& epoch, int points, variation::Places& p) const;
-  FreeState state(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values, int point) const;
+  State state(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values, int point) const;
   /// At the end of an epoch, less what the rounding of its free motion is in energy.
   Precise end_of(const Epoch& epoch, const variation::Places& p, const variation::AtPoints* values) const;
 
@@ -101,7 +101,7 @@ class Variation {
   const variation::Kernel& kernel_;
   Vector3 moments_;
   double start_s_;
-  FreeState start_;
+  State start_;
   ThetaMotion::Span free_span_ = ThetaMotion::Span::step;
   std::deque<Epoch> epochs_;
   std::vector<Window> windows_;

@@ -20,7 +20,7 @@ Answers answer(const rivals::MeasuredMethod& method, const FreeBody& body, const
   a.m.resize(3 * times_s.size());
   const StateArrays out = StateArrays::of_structures(a.q.data(), a.m.data());
   try {
-    const std::unique_ptr<FreeMotion> motion =
+    const std::unique_ptr<Motion> motion =
         method.make_controlled != nullptr ? method.make_controlled(body, control) : method.make(body);
     if (const auto* integrated = dynamic_cast<const rivals::IntegratedMotion*>(motion.get())) {
       a.evaluations = integrated->integrate({times_s}, out);

@@ -33,7 +33,7 @@ struct Examination {
   const TorquedSubject& subject;
   double most_evaluations;
   std::vector<double> times_s;
-  std::vector<FreeState> truth;
+  std::vector<State> truth;
 };
 
 /// Time and errors of `answer(out)`, which fills the states.
