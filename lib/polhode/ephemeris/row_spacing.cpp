@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/error_budget.hpp"
 #include "polhode/body/inertia.hpp"
 
 namespace polhode {
@@ -97,7 +98,7 @@ std::size_t rows_for_tolerance(const PrincipalMotion& motion, const Vector3& pri
     throw InputError(fmt::format("the error of the rows is {} rad; it must be 0 or more", rows_error_rad));
   }
   const double left_rad = tolerance_rad - rows_error_rad;
-  if (!(left_rad >= 0.2 * tolerance_rad)) {
+  if (!(rows_error_rad <= ErrorBudget::rows_of_tolerance * tolerance_rad)) {
     throw InputError(fmt::format("a tolerance of {} rad cannot be kept: the rows themselves are good to {:.1e} rad",
                                  tolerance_rad, rows_error_rad));
   }
@@ -111,7 +112,7 @@ std::size_t rows_for_tolerance(const PrincipalMotion& motion, const Vector3& pri
   const bool circle = interpolation == RowInterpolation::great_circle;
   const int window_rows = circle ? 2 : 8;
   const double order = circle ? 2.0 : 8.0;
-  const double wanted = 0.9 * left_rad;
+  const double wanted = ErrorBudget::measured_between_rows * left_rad;
   Gauge gauge(motion, interpolation);
 
   constexpr double most_gaps = 1e12;

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/error_budget.hpp"
 
 namespace polhode {
 
@@ -62,7 +63,6 @@ double free_motion_error_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), c
                              double last_s) {
   check_time(first_s);
   check_time(last_s);
-  constexpr double units = 16.0;
   constexpr double straight_rad = 0.3;  // beyond, the response is not in proportion to the change
   std::array<double, 33> times_s{};
   for (std::size_t i = 0; i < times_s.size(); ++i) {
@@ -74,7 +74,7 @@ double free_motion_error_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), c
   if (!(kChange * turned_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
   const double response_rad = largest_response_rad(make, body, times_s, kChange);
   if (!(response_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
-  return units * std::numeric_limits<double>::epsilon() * std::max(1.0, response_rad / kChange);
+  return ErrorBudget::rounding_rad * std::max(1.0, response_rad / kChange);
 }
 
 MotionAccount free_motion_account(const Method& method, const FreeBody& body, double first_s, double last_s) {
