@@ -2,6 +2,7 @@
 
 - No folder of LIB_DIR/polhode includes upwards (ALLOWED below); LIB_DIR/rivals includes the library, the library nothing
   of it.
+- Public headers, LIB_DIR/public_headers.txt, include public ones only, and tools/manual/library.md lists them.
 - Wrapped libraries are included by .cpp files only, so that users of our headers need none of them.
 - One name for each thing: what a header calls a type is no other type in LIB_DIR, no type or function hides one of a
   namespace around it, and no header of the rivals is called as one of the library.
@@ -50,6 +51,19 @@ def faults(path, text):
             yield f'{path}: "{include}" is not written as "polhode/FOLDER/NAME" or "rivals/NAME"'
         elif path.suffix == ".hpp" and WRAPPED.fullmatch(include):
             yield f"{path}: {include} belongs in a .cpp file"
+
+
+def faults_of_public(public, includes, manual):
+    """The rules about public headers that are broken; `includes` lists what each header of the library includes."""
+    for header in public:
+        if header not in includes:
+            yield f"public_headers.txt: {header} does not exist"
+            continue
+        for include in includes[header]:
+            if include.startswith("polhode/") and include not in public:
+                yield f"{header} is public and includes {include}, which public_headers.txt does not have"
+        if f"`{header.removeprefix('polhode/')}`" not in manual:
+            yield f"{header} is public and missing in tools/manual/library.md"
 
 
 NAMESPACE = re.compile(r"^(?:inline )?namespace ?([\w:]*) ?\{")
@@ -132,6 +146,12 @@ def check_the_rules():
         assert bool(list(confusions({pathlib.Path("a.hpp"): a, pathlib.Path(path): text}))) == wrong, (path, text)
 
 
+    public = {"polhode/a.hpp": ["polhode/b.hpp", "vector"], "polhode/b.hpp": []}
+    assert not list(faults_of_public(["polhode/a.hpp", "polhode/b.hpp"], public, "`a.hpp`, `b.hpp`"))
+    for names_of_public, manual in [(["polhode/a.hpp"], "`a.hpp`"), (["polhode/b.hpp"], ""), (["polhode/c.hpp"], "`c.hpp`")]:
+        assert list(faults_of_public(names_of_public, public, manual)), names_of_public
+
+
 def shown_by_the_build(lib, header):
     """True if the .cpp of the same name includes `header` before all else."""
     source = lib / header.with_suffix(".cpp")
@@ -145,6 +165,9 @@ def main():
     paths = sorted(p.relative_to(lib) for p in lib.glob("*/**/*") if p.suffix in (".hpp", ".cpp"))
     texts = {path: (lib / path).read_text() for path in paths}
     found = [fault for path, text in texts.items() for fault in faults(path, text)] + list(confusions(texts))
+    includes = {path.as_posix(): [name for _, name in INCLUDE.findall(text)] for path, text in texts.items()}
+    public = (lib / "public_headers.txt").read_text().split()
+    found += faults_of_public(public, includes, (lib.parent / "tools/manual/library.md").read_text())
 
     def compiles(header):
         run = subprocess.run(
