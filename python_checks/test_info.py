@@ -2,7 +2,9 @@
 
 import json
 
+import numpy
 import pytest
+from scipy.integrate import solve_ivp
 from support import ROOT, run
 
 BODIES = ROOT / "data/bodies"
@@ -38,6 +40,22 @@ def test_text_says_mode_periods_and_direction():
     text = info(BODIES / "toutatis.toml").stdout
     for words in ("long-axis mode", "5.36853 d", "7.411652 d", "181.030, -53.621 deg", "ratios only"):
         assert words in text
+
+
+def test_the_first_flip_is_where_the_rate_about_the_intermediate_axis_passes_zero():
+    motion = json.loads(info("--json", BODIES / "t-handle.toml").stdout)[0]["motion"]
+    moments = numpy.array([1.2070835e-4, 2.7005881e-5, 1.4355145e-4])  # x is the intermediate axis
+    rate = numpy.array([120.0, 0.2, 0.05]) * 2 * numpy.pi / 60
+
+    def euler(_, omega):
+        return numpy.cross(moments * omega, omega) / moments
+
+    def crossing(_, omega):
+        return omega[0]
+
+    crossing.terminal = True
+    path = solve_ivp(euler, (0, 100), rate, method="DOP853", rtol=1e-12, atol=1e-14, events=crossing)
+    assert motion["first_flip_after_epoch_s"] == pytest.approx(path.t_events[0][0], rel=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,8 @@
 #include "polhode/base/error.hpp"
 #include "polhode/body/invariants.hpp"
 #include "polhode/body/phase.hpp"
+#include "polhode/motion/events.hpp"
+#include "polhode/motion/free_body.hpp"
 #include "polhode/read/body.hpp"
 #include "subcommands.hpp"
 
@@ -64,11 +66,13 @@ struct Report {
   std::optional<SpinInvariants> spin;
   std::optional<Vector3> momentum_ecliptic, momentum_icrf;
   std::optional<AttitudeHistory> history;
+  std::optional<double> next_flip_s;  // from the epoch
 };
 
 Report report_on(const std::string& path) {
   BodyAndHistory file = read_body_and_history(path);
-  Report report{path, std::move(file.body), std::nullopt, std::nullopt, std::nullopt, std::move(file.history)};
+  Report report{path,         std::move(file.body),    std::nullopt, std::nullopt,
+                std::nullopt, std::move(file.history), std::nullopt};
   Body& body = report.body;
   for (const std::string& what : body.missing) {
     body.warnings.push_back((report.history ? "cannot be propagated beyond its attitude history; it lacks "
@@ -90,6 +94,9 @@ Report report_on(const std::string& path) {
     } else if (report.spin->mode != RotationMode::rest) {
       report.momentum_ecliptic = momentum_in_frame(body, Frame::ecliptic_j2000);
       report.momentum_icrf = momentum_in_frame(body, Frame::icrf);
+    }
+    if (body.state->q_frame_from_named && report.spin->polhode_period_s) {
+      report.next_flip_s = next_flip_s(ThetaMotion(free_body(body)), 0.0);
     }
     if (report.spin->separatrix_distance && *report.spin->separatrix_distance < close_to_separatrix) {
       body.warnings.push_back(
@@ -198,6 +205,7 @@ void print(Page& page, const Report& report) {
       page.row("P_psi, the polhode closes", duration(*spin.polhode_period_s));
       print_axis(page, 0, *spin.long_axis);
       print_axis(page, 2, *spin.short_axis);
+      if (report.next_flip_s) page.row("first flip after the epoch", duration(*report.next_flip_s));
       page.row("distance from separatrix", fmt::format("{:.4g} (0 on it, 1 farthest)", *spin.separatrix_distance));
     }
   }
@@ -284,6 +292,7 @@ Json json(const Report& report) {
       motion["polhode_period_s"] = *spin.polhode_period_s;  // null where infinite
       motion["long_axis"] = json(*spin.long_axis);
       motion["short_axis"] = json(*spin.short_axis);
+      if (report.next_flip_s) motion["first_flip_after_epoch_s"] = *report.next_flip_s;
     }
     out["motion"] = motion;
   }
