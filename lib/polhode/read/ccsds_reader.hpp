@@ -35,7 +35,7 @@ class CcsdsReader {
   std::string block_name(const CcsdsBlock& block) const;
   InputError error(std::size_t line, const std::string& message) const { return {{file_, line}, message}; }
   void warn(std::string text);
-  void note(std::string text) { out_.body.notes.push_back(std::move(text)); }
+  void note(std::string_view text) { out_.body.notes.emplace_back(text); }
 
   /// The fields of a block, by the rules of this message's version or of the given one; those of a block without data
   /// lines; and those of a segment's metadata, which set the clock.
