@@ -19,6 +19,7 @@
 #include "polhode/ephemeris/ephemeris.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
 #include "polhode/read/attitude_history_file.hpp"
+#include "polhode/read/body.hpp"
 #include "polhode/write/aem.hpp"
 #include "polhode/write/date_text.hpp"
 #include "polhode/write/fits.hpp"
