@@ -583,8 +583,8 @@ TEST(BulirschStoer, GoesBackwardAsForward) {
       std::vector<double> forward = instants(30 * turn_s(body), 40), backward = forward;
       for (double& t : backward) t = -t;
       const StepControl control{.step_s = first_step_turns * turn_s(body), .tolerance = tolerance};
-      const auto there = method("bulirsch-stoer").make_controlled(reversed, control);
-      const auto back = method("bulirsch-stoer").make_controlled(body, control);
+      const auto there = measured_method("bulirsch-stoer").make_controlled(reversed, control);
+      const auto back = measured_method("bulirsch-stoer").make_controlled(body, control);
       Eigen::Matrix4Xd q(4, 40), q_back(4, 40);
       Eigen::Matrix3Xd m(3, 40), m_back(3, 40);
       there->batch({forward}, StateArrays::of_structures(q.data(), m.data()));

@@ -82,7 +82,7 @@ class CcsdsReader {
 
  private:
   void lack_rate_and_inertia(bool has_rate);
-  void lack(std::string what) { out_.body.missing.push_back(std::move(what)); }
+  void lack(std::string_view what) { out_.body.missing.emplace_back(what); }
 
   std::string inertia_frame_;
   std::size_t last_place_ = 0;
