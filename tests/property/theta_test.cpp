@@ -358,9 +358,9 @@ TEST(ThetaProperty, ExtremeBodiesKeepTheirStateAndTheirMotion) {
 }
 
 TEST(ThetaProperty, ExtremeInputsStayFiniteAndUnit) {
-  const double tiny = std::numeric_limits<double>::denorm_min(), huge = 5e151;
+  const double tiny = std::numeric_limits<double>::denorm_min(), huge = 1e300;
   for (const Vector3& m : {Vector3(tiny, 1, tiny), Vector3(tiny, 1, 0), Vector3(1, tiny, tiny), Vector3(tiny, tiny, 1),
-                           Vector3(1e-200, 1e100, 1e-200), Vector3(huge, huge, huge), Vector3(tiny, tiny, 1e-152)}) {
+                           Vector3(1e-200, 1e100, 1e-200), Vector3(huge, huge, huge), Vector3(tiny, tiny, 1e-300)}) {
     for (const Vector3& i :
          {Vector3(1, 2, 3), Vector3(1, 1, 2), Vector3(1, 2, 2), Vector3(1, 1 + kEps, 1 + 2 * kEps)}) {
       const ThetaMotion motion({i, Quaternion(1, 2, 3, 4), m});

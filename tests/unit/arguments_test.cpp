@@ -54,13 +54,13 @@ std::vector<FreeBody> impossible_bodies() {
     bodies.push_back(kBody);
     bodies.back().principal_moments = moments;
   }
-  for (const Vector3& moments : {Vector3(1e-240, 1.0, 1.0), Vector3(1e-153, 1e-153, 1e-153), Vector3(1.0, 1.0, 1e153),
+  for (const Vector3& moments : {Vector3(1e-240, 1.0, 1.0), Vector3(1e-306, 1e-306, 1e-306), Vector3(1.0, 1.0, 1e306),
                                  Vector3(1e-60, 1e50, 1e50)}) {
     bodies.push_back(kBody);
     bodies.back().principal_moments = moments;
   }
-  for (const Vector3& momentum : {Vector3(1e-310, 1e-310, 0.0), Vector3(0.0, 1e-153, 0.0), Vector3(1e308, 1e308, 1e308),
-                                  Vector3(0.0, 0.0, -1e153)}) {
+  for (const Vector3& momentum : {Vector3(1e-310, 1e-310, 0.0), Vector3(0.0, 1e-306, 0.0), Vector3(1e308, 1e308, 1e308),
+                                  Vector3(0.0, 0.0, -1e306)}) {
     bodies.push_back(kBody);
     bodies.back().momentum_body = momentum;
   }

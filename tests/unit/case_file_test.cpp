@@ -83,7 +83,7 @@ TEST_F(CaseFileTest, RefusesWrongInputWithFileAndLineAndWhatIsAllowed) {
       {I + q + m + "T linear-body 1 2 x\n", ":4: ", "'x', a number"},
       {I + q + m + "T gravity-gradient 1 1 -1 0 1 0 0 0 0 1\n", ":4: ", "eccentricity is -1"},
       {I + q + m + "T gravity-gradient 1 0 1 0 1 0 0 0 0 1\n", ":4: ", "periapsis distance is 0"},
-      {I + q + m + "T gravity-gradient 1 1 1 0 1 0 0 1 0 0\n", ":4: ", "parallel"},
+      {I + q + m + "T gravity-gradient 1 1 1 0 1 0 0 1 0 0\n", ":4: ", "from a right angle"},
       {q + m + t, ": ", "no 'I' line"},
       {I + m + t, ": ", "no 'q' line"},
       {I + q + t, ": ", "no 'm' line"},

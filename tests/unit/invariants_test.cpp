@@ -207,6 +207,7 @@ TEST(Invariants, WhatDoublesDoNotHoldIsRefused) {
   EXPECT_THROW(spin_invariants(inertia_of({1e308, 1e308, 1e308}), {1, 2, 3}), InputError);
   EXPECT_THROW(spin_invariants(inertia_of({1, 2, 2.2}), {1e-310, 1e-312, 0}), InputError);
   EXPECT_THROW(spin_invariants(inertia_of({1, 2, 2.2}), {0, 0, 1e308}), InputError);
+  EXPECT_THROW(spin_invariants(inertia_of({1, 2, 2.2}), {0, 0, 1e200}), InputError);  // its energy is none
 }
 
 TEST(Invariants, WhatIsMissingIsNamed) {

@@ -592,10 +592,9 @@ TEST(TorquedMotion, KeepsToTheLimitOfEvaluations) {
 /// A pulse divides a way into legs; those that were not begun are not reached.
 TEST(TorquedMotion, StopsWhereItWasStopped) {
   const Torques pulsed({gravity().list()[0], ThrusterPulse{5e4, 10.0, {1e-3, 0, 0}}});
-  TorquedOptions few{1e-9, -1e5, 1e5};
-  few.max_torque_evaluations = 3000;
   for (const std::string_view name : {"auto", "near-10-6-4", "extrapolation"}) {
-    few.method = name;
+    TorquedOptions few = by(name, {1e-9, -1e5, 1e5});
+    few.max_torque_evaluations = 3000;
     const TorquedMotion stopped(satellite(), pulsed, few);
     EXPECT_EQ(stopped.outcome(), Outcome::stopped);
     EXPECT_LT(stopped.last_s(), 5e4) << name;
@@ -609,7 +608,7 @@ TEST(TorquedMotion, StopsWhereItWasStopped) {
 TEST(TorquedMotion, DampingMayTakeAllMomentum) {
   const FreeBody body = satellite();
   for (const std::string_view name : {"auto", "near-10-6-4"}) {
-    TorquedOptions options{1e-6, 0.0, 0.0, name};
+    TorquedOptions options = by(name, {1e-6, 0.0, 0.0});
     options.last_s = 400.0 * body.principal_moments[2];
     const TorquedMotion motion(body, Torques({LinearDamping{Vector3::Ones()}}), options);
     const State end = motion.at(options.last_s);

@@ -22,8 +22,8 @@ struct Inertia {
 /// computed tensors, not for moments printed with few digits.
 inline constexpr double triangle_tolerance = 1e-9;
 
-/// The moments and momenta that are computed with, in any unit: their squares are ordinary doubles.
-inline constexpr double kLeastMagnitude = 1e-152, kGreatestMagnitude = 1e152;
+/// The moments and momenta that are computed with, in any unit: to the last digit ordinary doubles.
+inline constexpr double kLeastMagnitude = 1e-305, kGreatestMagnitude = 1e305;
 /// The most that the largest moment may be of the smallest.
 inline constexpr double kGreatestMomentRatio = 1e100;
 

@@ -1,5 +1,7 @@
 #include "polhode/body/invariants.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -105,6 +107,11 @@ SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_p
   const double rate_unit_rad_s = out.momentum / unit;
   const Vector3 omega_rad_s = momentum_principal.cwiseQuotient(inertia.principal_moments);
   out.twice_energy = momentum_principal.dot(omega_rad_s);
+  if (!(out.twice_energy > 0.0 && std::isfinite(out.twice_energy) && omega_rad_s.allFinite())) {
+    throw InputError(
+        fmt::format("twice the energy is {}: doubles do not hold that of a momentum of {} and moments of {} to {}",
+                    out.twice_energy, out.momentum, inertia.principal_moments[0], inertia.principal_moments[2]));
+  }
   const double i21 = i[1] - i[0], i31 = i[2] - i[0], i32 = i[2] - i[1];
   const Vector3 part = m.cwiseProduct(m).cwiseQuotient(i);
   const double delta1 = part[1] * i21 + part[2] * i31;
