@@ -32,13 +32,23 @@ if(NOT found STREQUAL expected)
   message(FATAL_ERROR "the consumer found ${found}instead of ${expected}")
 endif()
 
-# The README shows this very program.
-file(READ ${SOURCE_DIR}/README.md readme)
-file(READ ${CONSUMER_DIR}/main.cpp example)
-string(FIND "${readme}" "```cpp\n${example}```" place)
-if(place EQUAL -1)
-  message(FATAL_ERROR "the example in README.md is not tests/install/consumer/main.cpp")
+execute_process(COMMAND ${build}/batch ${SOURCE_DIR}/data/bodies/toutatis.toml
+  OUTPUT_VARIABLE found COMMAND_ERROR_IS_FATAL ANY)
+if(NOT found STREQUAL "527040 instants, components of q within 1e-14: yes\n")
+  message(FATAL_ERROR "the consumer found ${found}")
 endif()
+
+# README and manual show these very programs.
+foreach(shown "main.cpp;README.md" "batch.cpp;tools/manual/numerical-analysis.md")
+  list(GET shown 0 program)
+  list(GET shown 1 page)
+  file(READ ${SOURCE_DIR}/${page} text)
+  file(READ ${CONSUMER_DIR}/${program} example)
+  string(FIND "${text}" "```cpp\n${example}```" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "the example in ${page} is not tests/install/consumer/${program}")
+  endif()
+endforeach()
 
 if(WITH_PROGRAM)
   execute_process(COMMAND ${prefix}/bin/polhode --help OUTPUT_QUIET COMMAND_ERROR_IS_FATAL ANY)

@@ -5,7 +5,7 @@
 namespace polhode::theta {
 
 // The constants of a motion as the evaluation at an instant needs them: plain doubles, one struct per chart. Formulas
-// and letters: theta.md beside this file. Time in seconds, phases in quarter turns.
+// and letters: theta.md in the folder above. Time in seconds, phases in quarter turns.
 
 inline constexpr int kMaxDegree = 3;
 
