@@ -50,14 +50,27 @@ concept TorqueKind = requires(const One& one, const Matrix3& rotation, const Vec
   requires JumpingTorque<One> || requires { one.add(TorquePlace<double>{}, moments, terms); };
 };
 
+/// Whether a kind that is read with an orbit has the member `trajectory`, by which `place.orbit` is found.
+template <class One>
+constexpr bool has_its_trajectory() {
+  for (const std::string_view key : One::keys) {
+    if (key == "orbit") return requires(One one) {
+        one.trajectory;
+      };
+  }
+  return true;
+}
+
 /// Calls visit.template operator()<One>() for each kind of torque, in the order above.
 template <class Visit>
 void for_each_torque_kind(const Visit& visit) {
   [&]<class... Kinds>(std::type_identity<std::variant<Kinds...>>) {
-    static_assert((TorqueKind<Kinds> && ...));
     (visit.template operator()<Kinds>(), ...);
   }(std::type_identity<Torque>{});
 }
+static_assert([]<class... Kinds>(std::type_identity<std::variant<Kinds...>>) {
+  return (TorqueKind<Kinds> && ...) && (has_its_trajectory<Kinds>() && ...);
+}(std::type_identity<Torque>{}));
 
 /// "gravity gradient", "sunlight" …
 std::string_view torque_name(const Torque& torque);
