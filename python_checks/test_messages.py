@@ -74,11 +74,11 @@ SPAN = ("--stop", "+1 d", "--count", "3")
 @pytest.mark.parametrize(
     "options, message",
     [
-        (("-o", "a.fits", *SPAN, "--adm", "3.0"), "--adm is for CCSDS messages"),
-        (("-o", "a.csv", *SPAN, "--attitude-type", "QUATERNION"), "--attitude-type is for CCSDS messages"),
-        (("-o", "a.ecsv", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for CCSDS messages"),
+        (("-o", "a.fits", *SPAN, "--adm", "3.0"), "--adm is for .aem .txt (CCSDS AEM)"),
+        (("-o", "a.csv", *SPAN, "--attitude-type", "QUATERNION"), "--attitude-type is for .aem .txt (CCSDS AEM)"),
+        (("-o", "a.ecsv", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for .aem .txt (CCSDS AEM)"),
         (("-o", "a.aem", *SPAN, "--euler-sequence", "ZXZ"), "--euler-sequence is for Euler angles"),
-        (("-o", "a.aem", *SPAN, "--momentum"), "--momentum is for FITS, CSV, ECSV and JSON lines"),
+        (("-o", "a.aem", *SPAN, "--momentum"), "--momentum is for .fits .fit (FITS), "),
         (("-o", "a.fits", *SPAN, "--full"), "--full means something for scenes only"),
     ],
 )

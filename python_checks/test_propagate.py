@@ -35,7 +35,7 @@ SPAN = ("--stop", "+1 d", "--step", "1 h")
         (("-o", "out.aem", *SPAN, "--adm", "1.0", "--attitude-type", "QUATERNION/ANGVEL"), "ADM 1.0"),
         (("-o", "out.aem", *SPAN, "--attitude-type", "EULER_ANGLE", "--euler-sequence", "XXZ"), "XXZ"),
         (("-o", "out.fits", "--times", "2000-01-01 TDB,tomorrow"), "tomorrow"),
-        (("-o", "out.fits", *SPAN, "--start", "+1 d", "--start", "+2 d", "--stop", "+1 d"), "only an AEM"),
+        (("-o", "out.fits", *SPAN, "--start", "+1 d", "--start", "+2 d", "--stop", "+1 d"), "which only these hold: .aem .txt (CCSDS AEM), .xml"),
         (("-o", "out.fits", *SPAN, "--unknown"), "--unknown"),
     ],
 )

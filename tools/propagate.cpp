@@ -367,7 +367,7 @@ void add_propagate(CLI::App& app) {
       ->required();
   command
       ->add_option("-o,--output", options->output.path,
-                   "Output, - for standard output; its ending says the format: " + all_endings())
+                   "Output, - for standard output; its ending says the format: " + endings())
       ->required();
   command->add_option("--format", options->output.format, "One of these endings, without its dot, for another name");
   command
@@ -398,7 +398,8 @@ void add_propagate(CLI::App& app) {
       ->capture_default_str();
   add_leap_seconds(*command);
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
-  command->add_flag("--momentum", options->output.momentum, "Write the angular momentum too (FITS, CSV, ECSV)");
+  command->add_flag("--momentum", options->output.momentum,
+                    "Write the angular momentum too: " + endings(&EphemerisFormat::has_momentum));
   command->add_option("--adm", options->output.adm, "Version of the CCSDS message, 1.0 or 2.0 (the default)");
   command->add_option("--attitude-type", options->output.attitude_type,
                       "ATTITUDE_TYPE of an AEM; QUATERNION/ANGVEL unless given, of ADM 1.0 QUATERNION");

@@ -126,24 +126,24 @@ const EphemerisFormat& format_of(const OutputOptions& options) {
   }
   if (!options.format.empty()) {
     throw InputError(
-        fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format, all_endings()));
+        fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format, endings()));
   }
   throw InputError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
-                               options.path, all_endings()));
+                               options.path, endings()));
 }
 
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format) {
   if (options.momentum && !format.has_momentum) {
-    throw InputError(
-        fmt::format("--momentum is for FITS, CSV, ECSV and JSON lines: a {} holds no angular momentum", format.name));
+    throw InputError(fmt::format("--momentum is for {}: {} holds no angular momentum",
+                                 endings(&EphemerisFormat::has_momentum), format.name));
   }
   if (format.is_message) return;
   for (const auto& [option, value] :
        {std::pair("--adm", &options.adm), std::pair("--attitude-type", &options.attitude_type),
         std::pair("--euler-sequence", &options.euler_sequence)}) {
     if (!value->empty()) {
-      throw InputError(
-          fmt::format("{} is for CCSDS messages (.aem, .txt, .xml); {} is {}", option, options.path, format.name));
+      throw InputError(fmt::format("{} is for {}; {} is {}", option, endings(&EphemerisFormat::is_message),
+                                   options.path, format.name));
     }
   }
 }
@@ -160,9 +160,10 @@ void refuse_overwriting(const OutputOptions& options, std::span<const std::strin
   }
 }
 
-std::string all_endings() {
+std::string endings(bool EphemerisFormat::*property) {
   std::string text;
   for (const EphemerisFormat& format : formats()) {
+    if (property != nullptr && !(format.*property)) continue;
     text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", fmt::join(format.endings, " "), format.name);
   }
   return text;
@@ -171,9 +172,9 @@ std::string all_endings() {
 void write_watched(const OutputOptions& options, const EphemerisFormat& format, std::span<const Ephemeris> segments) {
   if (segments.size() > 1 && !format.has_segments) {
     throw InputError(
-        fmt::format("there are {} segments, which only an AEM (.aem, .xml) holds; give one --start and one "
-                    "--stop, of an attitude history within one of its segments",
-                    segments.size()));
+        fmt::format("there are {} segments, which only these hold: {}; give one --start and one --stop, of an "
+                    "attitude history within one of its segments",
+                    segments.size(), endings(&EphemerisFormat::has_segments)));
   }
   std::size_t rows = 0;
   for (const Ephemeris& segment : segments) rows += segment.times().size();

@@ -43,8 +43,8 @@ void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& for
 /// Throws InputError where the output is a file that the work reads.
 void refuse_overwriting(const OutputOptions& options, std::span<const std::string> inputs);
 
-/// ".fits, .fits.gz (FITS), …": all of them.
-std::string all_endings();
+/// ".fits .fit (FITS), .csv (CSV), …": of the formats that have this property, or of all.
+std::string endings(bool EphemerisFormat::*property = nullptr);
 
 /// Writes all, and says so; a signal that comes meanwhile removes what was begun and then ends the program.
 void write_watched(const OutputOptions& options, const EphemerisFormat& format, std::span<const Ephemeris> segments);

@@ -228,7 +228,7 @@ def check_message(text, arguments_only):
 
 
 # What lies between the arguments and a file that is sound.
-OF_ARGUMENTS = re.compile("is outside of the attitude history|segments, which only an AEM")
+OF_ARGUMENTS = re.compile("is outside of the attitude history|segments, which only these hold")
 
 
 def names_file(text, names):
