@@ -46,10 +46,18 @@ LONG = {
     "ctest --preset dev": (BUILDS, None),
     "ctest --preset dev -R InputFormats": (BUILDS, "grep -r 'TEST(InputFormats,' {root}/tests"),
     "build/venv/bin/python -m pytest -q -p no:cacheprovider python_checks/test_info.py": ("is a test of its own", None),
-    "polhode chart speed-accuracy -o charts": (CHART, "polhode chart speed-accuracy --help"),
-    "polhode chart torqued -o charts": (CHART, "polhode chart torqued --help"),
+    "polhode chart speed-accuracy data/bodies/toutatis.toml@7305d data/bodies/t-handle.toml@166s -o charts": (
+        CHART + "; numerical-analysis.md has a smaller one",
+        None,
+    ),
+    "polhode chart torqued data/scenes/envisat-month.toml@3d -o charts": (
+        CHART + "; the page has a smaller one",
+        None,
+    ),
     "polhode chart stability -o charts": (CHART, "polhode chart stability --help"),
-    "tools/plot_chart.py charts/stability.ecsv": ("needs the table of a long command", "tools/plot_chart.py --help"),
+    "tools/plot_chart.py charts/torqued.ecsv": ("takes seconds; test_chart.py draws one", None),
+    "tools/plot_chart.py charts/stability.ecsv": ("needs the table of a long command; test_chart.py draws one", None),
+    "tools/plot_body.py toutatis.fits -o toutatis.png": ("takes seconds; test_plot.py draws it", None),
 }
 OTHER_OPTIONS = {"cmake": {"--preset", "--build", "--install", "--list-presets"}, "ctest": {"--preset"}}
 
