@@ -8,7 +8,8 @@ import erfa
 import numpy as np
 import pytest
 from aem_reader import read
-from astropy.table import Table
+from astropy.io import fits
+from astropy.table import QTable, Table
 from astropy.time import Time
 from scipy.spatial.transform import Rotation
 from support import ROOT, TOUTATIS, assert_within, propagate, run, sign_is_continuous
@@ -235,3 +236,45 @@ def test_info_says_what_a_history_has(tmp_path):
     assert segment["usable_start"].startswith("2016-12-31T23:59:52") and segment["usable_stop"].startswith("2017-01-01T00:00:15")
     text = run("info", source).stdout
     assert "Attitude history of CONE: 61 rows in 1 segment, UTC" in text and "beyond its attitude history" in text
+
+
+def test_an_ecsv_header_goes_before_the_names_of_its_columns(tmp_path):
+    """A colleague led the table to another scale and unit with astropy, which leaves the names as they were."""
+    table = QTable.read(propagate(TOUTATIS, tmp_path / "own.ecsv", "--stop", "+10 d", "--step", "1 d"))
+    table["date_tdb"] = table["date_tdb"].utc
+    for axis in "xyz":
+        table[f"omega_body_{axis}_rad_s"] = table[f"omega_body_{axis}_rad_s"].to(u.deg / u.day)
+    table.write(tmp_path / "other.ecsv", format="ascii.ecsv")
+    result = run("compare", tmp_path / "other.ecsv", TOUTATIS, "--tolerance", "1e-8 rad")
+    assert result.returncode == 0, result.stdout
+    own = Table.read(propagate(tmp_path / "own.ecsv", tmp_path / "a.csv", "--scale", "TDB"), comment="#")
+    other = Table.read(propagate(tmp_path / "other.ecsv", tmp_path / "b.csv", "--scale", "TDB"), comment="#")
+    for axis in "xyz":
+        name = f"omega_body_{axis}_rad_s"
+        assert np.allclose(own[name], other[name], rtol=1e-12, atol=0)
+
+
+@pytest.mark.parametrize("keyword", ["TIMEZERO", "TIMEOFFS"])
+def test_what_fits_adds_to_its_times_is_added(tmp_path, keyword):
+    path = propagate(TOUTATIS, tmp_path / "a.fits", "--stop", "+10 d", "--step", "1 d")
+    with fits.open(path, mode="update") as file:
+        file["ATTITUDE"].data["TIME"] -= 86400.0
+        file["ATTITUDE"].header[keyword] = 86400.0
+    assert run("compare", path, TOUTATIS, "--tolerance", "1e-8 rad").returncode == 0
+
+
+def test_no_file_that_a_scene_or_body_names_is_overwritten(tmp_path):
+    (tmp_path / "body.toml").write_bytes(TOUTATIS.read_bytes())
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        'name = "x"\nsource = "y"\nbody = "body.toml"\nframe = "ICRF"\nafter = "1 d"\naccuracy = "1 deg"\n'
+    )
+    before = (tmp_path / "body.toml").read_bytes()
+    result = run("propagate", scene, "-o", tmp_path / "body.toml", "--format", "csv", "--step", "1 h", check=False)
+    assert result.returncode == 2 and "that is read" in result.stderr
+    assert (tmp_path / "body.toml").read_bytes() == before
+
+
+def test_manoeuvres_that_are_left_out_are_a_warning(tmp_path):
+    result = run("propagate", CCSDS / "APMExample02.txt", "-o", tmp_path / "a.csv", "--stop", "+60 s", "--step", "30 s", check=False)
+    assert "warning" in result.stderr and "manoeuvres" in result.stderr

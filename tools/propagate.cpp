@@ -262,9 +262,12 @@ void warn(const std::string& file, const std::string& warning) {
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output);
   refuse_meaningless(options.output, format);
-  const std::string inputs[]{RowOfFile(options.body_file).file, options.times};
+  std::vector<std::string> inputs{options.times, leap_seconds_file()};
+  std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file, [&](const std::string& path) {
+    inputs.push_back(path);
+    return read_text_file(path);
+  });
   refuse_overwriting(options.output, inputs);
-  std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file);
   const auto* const scene = std::get_if<Scene>(&input);
   if (scene != nullptr) {
     complete(options, *scene);

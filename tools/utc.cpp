@@ -13,12 +13,19 @@
 
 namespace polhode::tools {
 
+namespace {
+std::string leap_seconds_path;
+}
+
+const std::string& leap_seconds_file() { return leap_seconds_path; }
+
 void add_leap_seconds(CLI::App& command) {
   command.add_option_function<std::string>(
       "--leap-seconds",
       [](const std::string& path) {
         const std::vector<LeapSecond> table = read_leap_seconds(path);
         in_file(path, [&] { set_leap_seconds(table); });
+        leap_seconds_path = path;
       },
       "table of leap seconds to use: a NAIF leap-second kernel");
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include <CLI/App.hpp>
 
 #include "polhode/time/instant.hpp"
@@ -8,6 +10,9 @@ namespace polhode::tools {
 
 /// Adds --leap-seconds, the table to use in place of ERFA's.
 void add_leap_seconds(CLI::App& command);
+
+/// The file that --leap-seconds named; empty: none.
+const std::string& leap_seconds_file();
 
 /// Doubtful UTC is converted all the same, and said once on standard error.
 class UtcDoubts {

@@ -126,13 +126,15 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
     }
   };
   const double time_s = factor(*time, "TIME", "s", duration_unit_s);
+  // What is to be added to each TIME (FITS 4.0, 9.4.1, and OGIP 93-003).
+  const double offset = table.number("TIMEOFFS").value_or(0.0) + table.number("TIMEZERO").value_or(0.0);
   const double rate_factor = omega ? factor(*omega, "OMEGA", "rad/s", angular_velocity_unit_rad_s) : 1.0;
   const Instant zero =
       Instant::from_tt_j2000(since_j2000(reference, history.scale));  // seconds as a sum of two doubles
   AttitudeSegment segment;
   segment.body = table.text("REFFRAMB").value_or("BODY");
   for (std::size_t row = 0; row < table.rows(); ++row) {
-    const double seconds = time_s * time->values[row];
+    const double seconds = time_s * (time->values[row] + offset);
     if (!(std::abs(seconds) < 1e12)) throw fail(fmt::format("row {}: TIME is out of range", row + 1));
     const Instant elapsed = zero + Seconds{seconds, low ? low->values[row] : 0.0};
     const double* v = q->values.data() + 4 * row;
@@ -167,7 +169,13 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   const std::size_t columns = table.names().size();
   if (columns == 0 || !table.names()[0].starts_with(date_prefix))
     throw table.error("the first column is wanted to be date_ and a time scale, as date_tdb");
-  history.scale = table.located([&] { return time_scale(table.names()[0].substr(date_prefix.size())); });
+  // What an ECSV header says of the column goes before its name, which a change of scale leaves as it was.
+  const EcsvHeader::Time& time = table.header().time();
+  const bool stated = !time.scale.empty() && table.names()[0] == (time.value.empty() ? time.name : time.value);
+  history.scale = table.located([&] {
+    return time_scale(stated ? std::string_view(time.scale)
+                             : std::string_view(table.names()[0]).substr(date_prefix.size()));
+  });
   const std::array<std::size_t, 4> q{table.column("q_scalar"), table.column("q_x"), table.column("q_y"),
                                      table.column("q_z")};
   const std::array<std::size_t, 3> omega{table.column("omega_body_x_rad_s"), table.column("omega_body_y_rad_s"),
@@ -175,6 +183,13 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   const auto all = [columns](const auto& list) { return *std::max_element(list.begin(), list.end()) < columns; };
   if (!all(q)) throw table.error("the columns q_x, q_y, q_z, q_scalar are wanted");
   const bool rates = all(omega);
+  Vector3 rate_unit_rad_s = Vector3::Ones();
+  for (std::size_t k = 0; rates && k < 3; ++k) {
+    const std::string_view unit = table.header().unit(table.names()[omega[k]]);
+    if (!unit.empty()) {
+      rate_unit_rad_s[static_cast<Eigen::Index>(k)] = table.located([&] { return angular_velocity_unit_rad_s(unit); });
+    }
+  }
   const std::size_t frame_at = table.column("frame");
   if (frame_name.empty() && frame_at == columns) {
     frame_name = "ICRF";
@@ -185,7 +200,10 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   while (table.next()) {
     AttitudeSample sample;
     sample.q_frame_from_body = {table.number(q[0]), table.number(q[1]), table.number(q[2]), table.number(q[3])};
-    if (rates) sample.omega_body_rad_s = {table.number(omega[0]), table.number(omega[1]), table.number(omega[2])};
+    if (rates) {
+      sample.omega_body_rad_s =
+          rate_unit_rad_s.cwiseProduct(Vector3(table.number(omega[0]), table.number(omega[1]), table.number(omega[2])));
+    }
     if (frame_at < columns) {
       const std::string& here_frame = table.cell(frame_at);
       if (frame_name.empty()) frame_name = here_frame;

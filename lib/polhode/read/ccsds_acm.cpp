@@ -60,7 +60,7 @@ class AcmReader : CcsdsReader {
       }
     }
     if (covariances > 0) note(fmt::format("covariance histories: {}, checked and left out", covariances));
-    if (manoeuvres > 0) note(fmt::format("manoeuvres: {}, checked and left out", manoeuvres));
+    if (manoeuvres > 0) warn(fmt::format("manoeuvres: {}; no motion takes them into account", manoeuvres));
     finish(std::move(history));
     return std::move(out_);
   }

@@ -89,7 +89,7 @@ class ApmReader : CcsdsReader {
         ++manoeuvres;
       }
     }
-    if (manoeuvres > 0) note(fmt::format("manoeuvres: {}, checked and left out", manoeuvres));
+    if (manoeuvres > 0) warn(fmt::format("manoeuvres: {}; no motion takes them into account", manoeuvres));
     if (v1_ && !epoch_) throw error(data.line, "Q_FRAME_A is missing: an APM 1.0 has a quaternion");
     apply_angular_velocities();
     choose_state();

@@ -97,11 +97,11 @@ bool is_scene(std::string_view text) {
 
 Scene read_scene(const std::string& path) { return parse_scene(read_text_file(path), path, read_text_file); }
 
-std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path) {
+std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path, const ContentOf& content_of) {
   const RowOfFile place(path);
-  const std::string text = read_text_file(place.file);
-  if (is_scene(text)) return parse_scene(text, place.file, read_text_file);
-  return parse_body_and_history(text, place, read_text_file);
+  const std::string text = content_of(place.file);
+  if (is_scene(text)) return parse_scene(text, place.file, content_of);
+  return parse_body_and_history(text, place, content_of);
 }
 
 Scene parse_scene(std::string_view content, const std::string& path, const ContentOf& content_of) {

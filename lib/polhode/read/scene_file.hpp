@@ -32,7 +32,8 @@ bool is_scene(std::string_view text);
 Scene read_scene(const std::string& path);
 
 /// The scene that a file holds, or else its body; the file is read once, it may be a pipe.
-std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path);
+std::variant<Scene, BodyAndHistory> read_scene_or_body(const std::string& path,
+                                                       const ContentOf& content_of = read_text_file);
 
 /// The same from memory. `path` is for messages, and where the files that it names are looked for; `content_of` opens
 /// these.
