@@ -1,8 +1,7 @@
 #pragma once
 
-#include <string>
-
 #include <CLI/App.hpp>
+#include <string>
 
 #include "polhode/time/instant.hpp"
 
