@@ -95,7 +95,7 @@ Report report_on(const std::string& path) {
       report.momentum_ecliptic = momentum_in_frame(body, Frame::ecliptic_j2000);
       report.momentum_icrf = momentum_in_frame(body, Frame::icrf);
     }
-    if (body.state->q_frame_from_named && report.spin->polhode_period_s) {
+    if (body.missing.empty() && report.spin->polhode_period_s) {
       report.next_flip_s = next_flip_s(ThetaMotion(free_body(body)), 0.0);
     }
     if (report.spin->separatrix_distance && *report.spin->separatrix_distance < close_to_separatrix) {
