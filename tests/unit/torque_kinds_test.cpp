@@ -35,17 +35,16 @@ const std::map<std::string, std::string, std::less<>>& samples() {
 constexpr double kSpan_s = 7000.0;
 
 Torque read_sample(std::string_view kind) {
-  const std::string path = ::testing::TempDir() + "polhode_torque_kinds_test.toml";
-  std::ofstream(path) << "name = 'x'\nsource = 'y'\nbody = '" POLHODE_DATA_DIR
-                         "/bodies/envisat.toml'\nframe = 'ICRF'\nafter = '7000 s'\naccuracy = '1 deg'\n"
-                         "[orbit.earth]\nmu_m3_s2 = 3.986004418e14\nperiapsis_m = 7.1e6\neccentricity = 0.1\n"
-                         "periapsis_after_epoch_s = 500\nto_periapsis = [1, 0, 0]\nnormal = [0, 0.6, 0.8]\n"
-                         "[orbit.sun]\nmu_m3_s2 = 1.32712440018e20\nperiapsis_m = 1.47e11\neccentricity = 0.0167\n"
-                         "periapsis_after_epoch_s = 0\nto_periapsis = [1, 0, 0]\nnormal = [0, -0.4, 0.9165]\n"
-                         "[[torque]]\nkind = '"
-                      << kind << "'\n"
-                      << samples().find(kind)->second << "\n";
-  return read_scene(path).torques.list().front();
+  const std::string scene = "name = 'x'\nsource = 'y'\nbody = '" POLHODE_DATA_DIR
+                            "/bodies/envisat.toml'\nframe = 'ICRF'\nafter = '7000 s'\naccuracy = '1 deg'\n"
+                            "[orbit.earth]\nmu_m3_s2 = 3.986004418e14\nperiapsis_m = 7.1e6\neccentricity = 0.1\n"
+                            "periapsis_after_epoch_s = 500\nto_periapsis = [1, 0, 0]\nnormal = [0, 0.6, 0.8]\n"
+                            "[orbit.sun]\nmu_m3_s2 = 1.32712440018e20\nperiapsis_m = 1.47e11\neccentricity = 0.0167\n"
+                            "periapsis_after_epoch_s = 0\nto_periapsis = [1, 0, 0]\nnormal = [0, -0.4, 0.9165]\n"
+                            "[[torque]]\nkind = '";
+  return parse_scene(scene + std::string(kind) + "'\n" + samples().find(kind)->second + "\n", "scene", read_text_file)
+      .torques.list()
+      .front();
 }
 
 class EveryKind : public ::testing::Test {
