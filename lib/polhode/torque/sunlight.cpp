@@ -63,7 +63,7 @@ Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
   return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
 }
 
-double Sunlight::largest(double t_s, const Vector3&, double) const {
+double Sunlight::largest(double t_s, const Vector3& /*moments*/, double /*momentum*/) const {
   const double r2 = trajectory.state(t_s).position_m.squaredNorm();
   // The push of a facet is at most twice that of the light on it.
   return 2.0 * kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) *

@@ -31,23 +31,23 @@ void check_finite(std::string_view what, double value) {
 
 void GravityGradient::check() const { check_positive("mu", mu_m3_s2); }
 
-double GravityGradient::largest(double t_s, const Vector3& I, double) const {
+double GravityGradient::largest(double t_s, const Vector3& moments, double /*momentum*/) const {
   const double r = trajectory.state(t_s).position_m.norm();
-  return 1.5 * mu_m3_s2 / (r * r * r) * (I[2] - I[0]);
+  return 1.5 * mu_m3_s2 / (r * r * r) * (moments[2] - moments[0]);
 }
 
 /// The matrix times 1/I is what it takes of the momentum per second; its norm from above by those of its columns and
 /// rows (exact where it is diagonal).
-double LinearDamping::largest(double, const Vector3& I, double momentum) const {
-  const Matrix3 sizes = (coefficients * I.cwiseInverse().asDiagonal()).cwiseAbs();
+double LinearDamping::largest(double /*t_s*/, const Vector3& moments, double momentum) const {
+  const Matrix3 sizes = (coefficients * moments.cwiseInverse().asDiagonal()).cwiseAbs();
   return std::sqrt(sizes.colwise().sum().maxCoeff() * sizes.rowwise().sum().maxCoeff()) * momentum;
 }
 
-double EddyCurrents::largest(double t_s, const Vector3& I, double momentum) const {
+double EddyCurrents::largest(double t_s, const Vector3& moments, double momentum) const {
   const OrbitState<double> orbit = trajectory.state(t_s);
   const double r = orbit.position_m.norm(), v = orbit.velocity_m_s.norm();
   const double field = 2.0 * dipole_t_m3 / (r * r * r);
-  return magnetic_tensor_s_m4.norm() * field * field * (momentum / I[0] + 6.0 * v / r);
+  return magnetic_tensor_s_m4.norm() * field * field * (momentum / moments[0] + 6.0 * v / r);
 }
 
 void ThrusterPulse::check() const {
