@@ -22,7 +22,7 @@ struct Column {
 };
 
 /// A text as YAML's double-quoted scalar, which is a string of JSON, too.
-std::string quoted(std::string_view text) {
+std::string double_quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : plain_text(text)) {
     if (c == '"' || c == '\\') out += '\\';
@@ -54,26 +54,26 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
   const auto meta = [&](std::string_view key, const std::string& value) {
     if (!value.empty()) out += fmt::format("# - {{{}: {}}}\n", key, value);
   };
-  meta("object", quoted(description.object));
-  if (!description.object_id.empty()) meta("object_id", quoted(description.object_id));
-  meta("creator", quoted(creator()));
-  meta("created_utc", quoted(creation_date()));
-  meta("frame_a", quoted(ephemeris.frame_name()));
+  meta("object", double_quoted(description.object));
+  if (!description.object_id.empty()) meta("object_id", double_quoted(description.object_id));
+  meta("creator", double_quoted(creator()));
+  meta("created_utc", double_quoted(creation_date()));
+  meta("frame_a", double_quoted(ephemeris.frame_name()));
   meta("frame_b",
-       quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
-  meta("quaternion", quoted("scalar last, takes components from frame a to frame b, passive"));
-  meta("method", quoted(description.method));
+       double_quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
+  meta("quaternion", double_quoted("scalar last, takes components from frame a to frame b, passive"));
+  meta("method", double_quoted(description.method));
   if (description.promised_error_rad) meta("promised_error_rad", fmt::format("{}", *description.promised_error_rad));
-  if (!description.error_meaning.empty()) meta("error_meaning", quoted(description.error_meaning));
+  if (!description.error_meaning.empty()) meta("error_meaning", double_quoted(description.error_meaning));
   if (description.torque_evaluations) meta("torque_evaluations", fmt::format("{}", *description.torque_evaluations));
   for (std::size_t i = 0; i < description.cautions.size(); ++i) {
-    meta(fmt::format("caution_{}", i + 1), quoted(description.cautions[i]));
+    meta(fmt::format("caution_{}", i + 1), double_quoted(description.cautions[i]));
   }
   if (description.tolerance_rad) {
-    meta("interpolation", quoted(description.interpolation));
+    meta("interpolation", double_quoted(description.interpolation));
     meta("interpolation_error_rad", fmt::format("{}", *description.tolerance_rad));
   }
-  meta("source", quoted(description.source));
+  meta("source", double_quoted(description.source));
   const std::string& time = columns.front().name;
   out += fmt::format(
       "# - __serialized_columns__:\n#     {0}:\n#       __class__: astropy.time.core.Time\n#       format: isot\n"
@@ -119,7 +119,7 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
 
   // What ends each row: an ECSV names its frame in the header.
   std::string end = "\n";
-  if (json) end = fmt::format(",\"frame\":{}}}\n", quoted(ephemeris.frame_name()));
+  if (json) end = fmt::format(",\"frame\":{}}}\n", double_quoted(ephemeris.frame_name()));
   if (options.kind == TextTableKind::csv) end = fmt::format(",{}\n", csv_cell(ephemeris.frame_name()));
 
   const auto encode = [&](DateText& dates, const AttitudeBlock& block, EncodedBlock& out) {
