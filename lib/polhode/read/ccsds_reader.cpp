@@ -159,8 +159,8 @@ void CcsdsReader::set_state(const StatedAttitude& attitude, const std::optional<
   lack_rate_and_inertia(omega.has_value());
 }
 
-void CcsdsReader::lack_state(std::string what) {
-  lack(std::move(what));
+void CcsdsReader::lack_state(std::string_view what) {
+  lack(what);
   lack_rate_and_inertia(false);
 }
 

@@ -67,7 +67,7 @@ class CcsdsReader {
   int score(const std::string& body_axes, const std::optional<Frame>& known_frame) const;
   void set_state(const StatedAttitude& attitude, const std::optional<Vector3>& omega, Instant epoch);
   /// Of a message whose data hold nothing that can be the state.
-  void lack_state(std::string what);
+  void lack_state(std::string_view what);
   /// A history with the names that the message gives.
   AttitudeHistory new_history(std::string object_id);
   static void add_row(AttitudeSegment& segment, const StatedAttitude& attitude, Instant time);
