@@ -23,9 +23,9 @@ struct PlanOptions {
 };
 
 std::string angle_text(double rad) {
-  constexpr double least_deg = 1e-3, arcseconds = 3600.0;  // in a degree
+  constexpr double least_deg = 1e-3, arcsec_in_degree = 3600.0;
   const double deg = rad * degrees;
-  return deg >= least_deg ? fmt::format("{:.3g} deg", deg) : fmt::format("{:.3g} arcsec", deg * arcseconds);
+  return deg >= least_deg ? fmt::format("{:.3g} deg", deg) : fmt::format("{:.3g} arcsec", deg * arcsec_in_degree);
 }
 
 void print_plan(const PlanOptions& options) {
