@@ -98,9 +98,7 @@ void run(const Options& options) {
   }
   for (const auto& [history, file] : {std::pair(&a, &options.first), std::pair(&b, &options.second)}) {
     if (!*history) continue;
-    for (const std::string& warning : (*history)->warnings) {
-      say(warning.starts_with(*file) ? "warning: " + warning : fmt::format("warning: {}: {}", *file, warning));
-    }
+    for (const std::string& warning : (*history)->warnings) warn(*file, warning);
   }
   if (d.largest_rad > tolerance_rad) {
     throw CheckFailed(

@@ -9,6 +9,7 @@
 
 #include "output.hpp"
 #include "polhode/base/error.hpp"
+#include "polhode/motion/planner.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
@@ -43,12 +44,8 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
   if (options.step_s != 0.0)
     throw InputError("--step is for free motion; under torques --tolerance says how fine to be");
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
-  // One torque of a hundred thousand radians at the tightest tolerance takes seven million.
-  constexpr double usual = 8e6;
-  const auto torques = static_cast<double>(wanted.torques.list().size());
-  const std::size_t most_evaluations = options.most_evaluations != 0
-                                           ? options.most_evaluations
-                                           : static_cast<std::size_t>(usual / (0.5 + 0.5 * torques));
+  const std::size_t most_evaluations =
+      options.most_evaluations != 0 ? options.most_evaluations : usual_torque_evaluations(wanted.torques);
   TorquedOptions how{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last), options.method,
                      most_evaluations};
   const auto own = torqued_motion_methods();

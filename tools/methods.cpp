@@ -20,7 +20,7 @@ void add_methods(CLI::App& app) {
     }
     for (const rivals::AbsentMethod& absent : rivals::absent_methods()) {
       fmt::format_to(std::back_inserter(text), "{}\n  absent     this program was built without {}\n", absent.name,
-                     absent.library);
+                     absent.dependency);
     }
     write_standard_output({text.data(), text.size()});
   });

@@ -46,4 +46,8 @@ void say(std::string_view text) {
   std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
+void warn(std::string_view file, std::string_view warning) {
+  say(warning.starts_with(file) ? fmt::format("warning: {}", warning) : fmt::format("warning: {}: {}", file, warning));
+}
+
 }  // namespace polhode::tools

@@ -20,4 +20,7 @@ std::string printable(std::string_view text);
 /// output.
 void say(std::string_view text);
 
+/// "polhode: warning: FILE: …"; the file once, where the warning begins with it.
+void warn(std::string_view file, std::string_view warning);
+
 }  // namespace polhode::tools

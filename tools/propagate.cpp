@@ -254,11 +254,6 @@ void refuse_outside(const std::string& file, const Scene& scene, Instant start, 
                   scene.first_s, scene.last_s, date(start), date(stop)));
 }
 
-/// A warning with the file that it is of.
-void warn(const std::string& file, const std::string& warning) {
-  say(warning.starts_with(file) ? "warning: " + warning : fmt::format("warning: {}: {}", file, warning));
-}
-
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output);
   refuse_meaningless(options.output, format);

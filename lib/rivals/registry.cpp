@@ -185,7 +185,7 @@ const MeasuredMethod& measured_method(std::string_view name) {
   for (const AbsentMethod& absent : absent_methods()) {
     if (name == absent.name) {
       throw InputError(fmt::format("method '{}' is absent: this program was built without {}; allowed are {}", name,
-                                   absent.library, allowed));
+                                   absent.dependency, allowed));
     }
   }
   throw InputError(fmt::format("unknown method '{:.40}', allowed are {}", name, allowed));

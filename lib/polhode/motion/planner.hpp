@@ -44,6 +44,11 @@ struct Plan {
 constexpr std::size_t kMostTorqueEvaluations = 4'000'000;
 /// The same where every effect was asked for, at 1e-9 rad: a minute and more.
 constexpr std::size_t kMostTorqueEvaluationsInFull = 100'000'000;
+/// The same for a motion without a plan, whatever its tolerance: some seconds, so fewer of several torques. (One torque
+/// over a hundred thousand radians at 1e-12 rad takes seven million.)
+inline std::size_t usual_torque_evaluations(const Torques& torques) {
+  return static_cast<std::size_t>(16e6 / (1.0 + static_cast<double>(torques.list().size())));
+}
 
 /// Decides from bounds, before integrating, which torques matter for an attitude error of `accuracy_rad` over first_s …
 /// last_s (which hold 0). Three quarters of the accuracy are for the motion, a quarter is left for interpolation

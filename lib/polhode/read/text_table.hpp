@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 
 namespace polhode {
 
@@ -68,11 +69,7 @@ class TextTable {
   /// Runs `work`, and gives an InputError of its own this line.
   template <class Work>
   auto located(const Work& work) const {
-    try {
-      return work();
-    } catch (const InputError& problem) {
-      throw error(problem.what());
-    }
+    return polhode::located(here(), work);
   }
 
  private:

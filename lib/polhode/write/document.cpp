@@ -65,6 +65,15 @@ std::string plain_text(std::string_view text) {
   });
 }
 
+std::string double_quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : plain_text(text)) {
+    if (c == '"' || c == '\\') out += '\\';
+    out += c;
+  }
+  return out + "\"";
+}
+
 std::string ascii_text(std::string_view text) {
   return cleaned(text,
                  [](std::string& out, char32_t c, std::string_view) { out += c < 0x7F ? static_cast<char>(c) : '?'; });

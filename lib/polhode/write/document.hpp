@@ -16,6 +16,9 @@ std::string creation_date();
 /// kind, or what is no character, becomes a blank; bytes that are not UTF-8 become U+FFFD.
 std::string plain_text(std::string_view text);
 
+/// plain_text as a scalar of YAML in double quotes, which is a string of JSON, too.
+std::string double_quoted(std::string_view text);
+
 /// plain_text in ASCII, as FITS wants it: a question mark for each other character.
 std::string ascii_text(std::string_view text);
 

@@ -12,17 +12,6 @@ namespace polhode {
 
 namespace {
 
-/// A double-quoted YAML scalar.
-std::string yaml(const std::string& text) {
-  std::string out = "\"";
-  for (const char c : plain_text(text)) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  out += '"';
-  return out;
-}
-
 std::string csv(const std::string& text) {
   if (!text.empty() && text.find_first_of(",\"\n ") == std::string::npos) return text;
   std::string out = "\"";
@@ -41,10 +30,10 @@ void write_ecsv_table(const std::string& path, const std::vector<std::string>& c
   std::string text = "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n";
   for (const EcsvColumn& c : columns) {
     fmt::format_to(std::back_inserter(text), "# - {{name: {}, {}datatype: {}, description: {}}}\n", c.name,
-                   c.unit.empty() ? "" : fmt::format("unit: {}, ", c.unit), c.datatype, yaml(c.description));
+                   c.unit.empty() ? "" : fmt::format("unit: {}, ", c.unit), c.datatype, double_quoted(c.description));
   }
   if (!comments.empty()) text += "# meta:\n#   comments:\n";
-  for (const std::string& c : comments) fmt::format_to(std::back_inserter(text), "#   - {}\n", yaml(c));
+  for (const std::string& c : comments) fmt::format_to(std::back_inserter(text), "#   - {}\n", double_quoted(c));
   text += "# schema: astropy-2.0\n";
   std::vector<std::string> fields(columns.size());
   std::transform(columns.begin(), columns.end(), fields.begin(), [](const EcsvColumn& c) { return c.name; });

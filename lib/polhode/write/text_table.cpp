@@ -21,16 +21,6 @@ struct Column {
   std::string unit;
 };
 
-/// A text as YAML's double-quoted scalar, which is a string of JSON, too.
-std::string double_quoted(std::string_view text) {
-  std::string out = "\"";
-  for (const char c : plain_text(text)) {
-    if (c == '"' || c == '\\') out += '\\';
-    out += c;
-  }
-  return out + "\"";
-}
-
 /// A text as a cell of CSV: in quotes, and quotes doubled, where it holds what ends a cell.
 std::string csv_cell(std::string_view text) {
   const std::string plain = plain_text(text);
