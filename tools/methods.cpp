@@ -18,9 +18,8 @@ void add_methods(CLI::App& app) {
                      "{}\n  kind       {}\n  order      {}\n  conserves  {}\n  fails      {}\n  source     {}\n",
                      m.name, m.kind, m.order, m.conserves.text, m.fails, m.source);
     }
-    for (const rivals::AbsentMethod& absent : rivals::absent_methods()) {
-      fmt::format_to(std::back_inserter(text), "{}\n  absent     this program was built without {}\n", absent.name,
-                     absent.dependency);
+    for (const auto& [absent, library] : rivals::absent_methods()) {
+      fmt::format_to(std::back_inserter(text), "{}\n  absent     this program was built without {}\n", absent, library);
     }
     write_standard_output({text.data(), text.size()});
   });

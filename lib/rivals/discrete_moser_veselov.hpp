@@ -84,9 +84,7 @@ class DiscreteMoserVeselov {
         y.q[0] = y.m[0];
         break;
       }
-      const Real c = Real(1) / square_root(Real(1) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-      multiply_quaternion(y.q, c, c * g[0], c * g[1], c * g[2]);
-      turn_momentum(y.m, c, c * g[0], c * g[1], c * g[2]);
+      turn_by_cayley(y, g);
     }
     evaluations += newton_.evaluations - before;
   }

@@ -44,9 +44,7 @@ class ImplicitMidpoint {
         break;
       }
       const Real g[3] = {half_rate_[0] * u[0], half_rate_[1] * u[1], half_rate_[2] * u[2]};
-      const Real c = Real(1) / square_root(Real(1) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-      multiply_quaternion(y.q, c, c * g[0], c * g[1], c * g[2]);
-      turn_momentum(y.m, c, c * g[0], c * g[1], c * g[2]);
+      turn_by_cayley(y, g);
     }
     evaluations += newton_.evaluations - before;
   }

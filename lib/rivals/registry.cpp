@@ -182,10 +182,10 @@ const MeasuredMethod& measured_method(std::string_view name) {
     if (name == m.name || name == "auto") return m;
     allowed += fmt::format(", {}", m.name);
   }
-  for (const AbsentMethod& absent : absent_methods()) {
-    if (name == absent.name) {
+  for (const auto& [absent, library] : absent_methods()) {
+    if (name == absent) {
       throw InputError(fmt::format("method '{}' is absent: this program was built without {}; allowed are {}", name,
-                                   absent.dependency, allowed));
+                                   library, allowed));
     }
   }
   throw InputError(fmt::format("unknown method '{:.40}', allowed are {}", name, allowed));

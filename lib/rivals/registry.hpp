@@ -34,7 +34,7 @@ const MeasuredMethod& measured_method(std::string_view name);
 /// A method that this build lacks, for want of a library.
 struct AbsentMethod {
   std::string_view name;
-  std::string_view dependency;  ///< what this program was built without
+  std::string_view library;  ///< that this program was built without
 };
 
 std::span<const AbsentMethod> absent_methods();

@@ -118,6 +118,14 @@ inline void turn_momentum(Real m[3], Real scalar, Real vx, Real vy, Real vz) {
   m[2] += scalar * tz + (tx * vy - ty * vx);
 }
 
+/// Turns the body by the Cayley transform of g: the quaternion (1, g), made unit.
+template <class Real>
+inline void turn_by_cayley(ScaledState<Real>& y, const Real g[3]) {
+  const Real c = Real(1) / square_root(Real(1) + g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+  multiply_quaternion(y.q, c, c * g[0], c * g[1], c * g[2]);
+  turn_momentum(y.m, c, c * g[0], c * g[1], c * g[2]);
+}
+
 template <class Real>
 inline bool is_finite(const ScaledState<Real>& y) {
   double sum = 0.0;
