@@ -167,6 +167,19 @@ TEST(CcsdsApm, QuaternionDerivativeIsTheRate) {
       "TIME_SYSTEM = UTC\nEPOCH = 2016-12-31T23:59:60.5\nQUAT_START\nREF_FRAME_A = SC_BODY_1\nREF_FRAME_B = ICRF\n"
       "Q1 = 0\nQ2 = 0\nQ3 = -0.7071067811865476\nQC = 0.7071067811865476\n"
       "Q1_DOT = 0.01\nQ2_DOT = 0.02\nQ3_DOT = 0 [1/s]\nQC_DOT = 0\nQUAT_STOP\n";
+  // Along the quaternion only what rounding has: of a hundredth of it, and of the last decimal of the derivative.
+  const auto warnings = [&](const std::string& derivative) {
+    return parse_ccsds_attitude(replaced(text, "QC_DOT = 0\n", "QC_DOT = " + derivative + "\n"), "m")
+        .at(0)
+        .body.warnings;
+  };
+  EXPECT_TRUE(warnings("0.0002").empty());
+  EXPECT_TRUE(warnings("0.01").empty());  // 0.005 to 0.015
+  EXPECT_EQ(
+      warnings("0.0202"),
+      std::vector<std::string>{"line 11: the derivative of the quaternion has a part of 0.0143 1/s along the "
+                               "quaternion, which is no rotation (rounding explains 0.0004 1/s); the rest is taken "
+                               "as the rate"});
   const CcsdsAttitudeMessage m = parse_ccsds_attitude(text, "m").at(0);
   // ICRF from the body's axes is -90 deg about z: the body is turned by +90 deg.
   expect_attitude(*m.body.state->q_frame_from_named, turn(90, z));
@@ -202,9 +215,16 @@ TEST(CcsdsApm, RatesThatContradictEachOtherAreToldOf) {
   const auto with_rates = [&](const std::string& rates) {
     return parse_ccsds_attitude(replaced(text, "QUAT_STOP", rates + "QUAT_STOP"), "m").at(0).body;
   };
+  // A second ANGVEL block contradicts the first.
+  const std::size_t begin = text.find("ANGVEL_START"), end = text.find("ANGVEL_STOP") + 12;
+  const std::string block = replaced(text.substr(begin, end - begin), "ANGVEL_Y", "ANGVEL_Y = 1\nCOMMENT ");
+  const Body twice = parse_ccsds_attitude(text.substr(0, end) + block + text.substr(end), "m").at(0).body;
+  ASSERT_EQ(twice.warnings.size(), 1U);
+  EXPECT_EQ(twice.warnings[0],
+            "line 37: the ANGVEL block and that of line 28 differ by 0.95 deg/s; the ANGVEL block is used");
   const Body other = with_rates("Q1_DOT = 0.001 [1/s]\nQ2_DOT = 0\nQ3_DOT = 0\nQC_DOT = -0.000184791 [1/s]\n");
   ASSERT_EQ(other.warnings.size(), 1U);
-  EXPECT_NE(other.warnings[0].find("the ANGVEL block and the rates of the QUAT block differ by 0.141 deg/s"),
+  EXPECT_NE(other.warnings[0].find("the ANGVEL block and the rates of the QUAT block (line 18) differ by 0.141 deg/s"),
             std::string::npos)
       << other.warnings[0];
   expect_rate(other.state->omega_named_rad_s, degree * Vector3(0.0001, 0.05, 0.00003));  // of the ANGVEL block

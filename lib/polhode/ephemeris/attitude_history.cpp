@@ -271,6 +271,28 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time) {
   return out;
 }
 
+std::optional<std::string> doubt_about_interpolation(const AttitudeSegment& segment) {
+  const std::vector<AttitudeSample>& rows = segment.samples;
+  const bool rates = segment.has_rates();
+  if (rates && segment.method != AttitudeInterpolation::lagrange) return std::nullopt;  // turns are counted
+  Vector3 before_it = Vector3::Zero();                                                  // the rate there
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const double gap_s = (rows[i].time - rows[i - 1].time).high;
+    const Passage passage(rows[i - 1], rows[i]);
+    const Vector3 expected = gap_s * before_it;
+    const Vector3 longer = passage.rest - 2.0 * std::numbers::pi * passage.rest.normalized();
+    const bool far = rates ? passage.turn.norm() > std::numbers::pi
+                           : i > 1 && (longer - expected).norm() < (passage.rest - expected).norm();
+    if (far) {
+      return fmt::format(
+          "rows {} and {} are more than half a turn apart, by {}; {} takes the shortest way between rows", i, i + 1,
+          rates ? "their rates" : "the turn before them", name(segment.method));
+    }
+    before_it = passage.rest / gap_s;
+  }
+  return std::nullopt;
+}
+
 void make_signs_continuous(AttitudeSegment& segment) {
   std::vector<AttitudeSample>& rows = segment.samples;
   for (std::size_t i = 1; i < rows.size(); ++i) {

@@ -89,6 +89,10 @@ AttitudeSample interpolate(const AttitudeSegment& segment, Instant time);
 /// attitudes and rates that are finite, rates on all rows or on none.
 const AttitudeSegment& checked(const AttitudeSegment& segment);
 
+/// Why interpolate() may lead to another motion than the one that the rows are of, in words, or nothing: rows more than
+/// half a turn apart, by their rates, or by what goes on from the rows before, where the method takes the shortest way.
+std::optional<std::string> doubt_about_interpolation(const AttitudeSegment& segment);
+
 /// Gives the quaternions of the rows the signs with which interpolate() is continuous over the whole segment.
 void make_signs_continuous(AttitudeSegment& segment);
 

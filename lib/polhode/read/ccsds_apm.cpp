@@ -137,8 +137,13 @@ class ApmReader : CcsdsReader {
     return k;
   }
 
-  void state(const Kinematics& k, std::span<const double> numbers, const char* block, const SourceLocation& where) {
-    out_.body.attitudes.push_back(k.stated(numbers, block, where));
+  void state(StatedAttitude attitude, const SourceLocation& where) {
+    out_.body.attitudes.push_back(std::move(attitude));
+    lines_.push_back(where.line);
+  }
+
+  std::string block_of(std::size_t attitude) const {
+    return fmt::format("the {} block (line {})", out_.body.attitudes[attitude].block, lines_[attitude]);
   }
 
   void read_quat(const CcsdsBlock& block) {
@@ -148,7 +153,7 @@ class ApmReader : CcsdsReader {
     std::vector<double> numbers;
     f.append({"Q1", "Q2", "Q3", "QC"}, numbers);
     if (f.append({"Q1_DOT", "Q2_DOT", "Q3_DOT", "QC_DOT"}, numbers)) k.rate = Kinematics::Rate::quaternion;
-    state(k, numbers, "QUAT", f.where("Q1"));
+    state(k.stated(numbers, "QUAT", f.where("Q1")), f.start());
   }
 
   void read_euler(CcsdsBlock& block) {
@@ -167,7 +172,7 @@ class ApmReader : CcsdsReader {
       throw InputError(f.start(), fmt::format("RATE_FRAME is missing in {}, which has rates", f.what()));
     if (v1_ && !angles_given && !rates_given) f.missing("X_ANGLE (or X_RATE)");
     if (angles_given) {
-      state(k, numbers, "EULER", f.start());
+      state(k.stated(numbers, "EULER", f.start()), f.start());
     } else {
       // Rates alone, as version 1 allows: the angles are those of the quaternion between the same frames.
       const auto last_between = [this](const std::string& frame, const std::string& body) -> const StatedAttitude* {
@@ -185,7 +190,7 @@ class ApmReader : CcsdsReader {
         return;
       }
       const Quaternion q = known != nullptr ? known->q_frame_from_body : turned->q_frame_from_body.conjugate();
-      out_.body.attitudes.push_back(k.stated(q, numbers, "EULER", f.start()));
+      state(k.stated(q, numbers, "EULER", f.start()), f.start());
     }
     if (rates_given && v1_) warn(std::string(warning_of_v1_rates));
   }
@@ -201,11 +206,13 @@ class ApmReader : CcsdsReader {
         throw f.error("MOMENTUM_ALPHA", "a SPIN block has either NUTATION, … or MOMENTUM_ALPHA, …, not both");
       k.rate = Kinematics::Rate::momentum;
     }
-    state(k, numbers, "SPIN", f.start());
+    state(k.stated(numbers, "SPIN", f.start()), f.start());
   }
 
   /// The ANGVEL blocks come before the attitudes that they may need (SPIN), hence at the end.
   void apply_angular_velocities() {
+    std::vector<std::string> rates_of;  // of each attitude: what gives its rates
+    for (std::size_t i = 0; i < lines_.size(); ++i) rates_of.push_back("the rates of " + block_of(i));
     for (const CcsdsBlock& block : angular_velocities_) {
       const CcsdsFields f = fields(block, ccsds_rules::angvel);
       const std::string a = frame_name(f, "REF_FRAME_A");
@@ -213,7 +220,8 @@ class ApmReader : CcsdsReader {
       const std::string c = frame_name(f, "ANGVEL_FRAME");
       const Vector3 omega = degree * Vector3(f.number("ANGVEL_X"), f.number("ANGVEL_Y"), f.number("ANGVEL_Z"));
       bool used = false;
-      for (StatedAttitude& s : out_.body.attitudes) {
+      for (std::size_t i = 0; i < lines_.size(); ++i) {
+        StatedAttitude& s = out_.body.attitudes[i];
         const bool same = same_frame(s.frame, a) && same_frame(s.body, b);
         const bool turned = same_frame(s.frame, b) && same_frame(s.body, a);
         if (!same && !turned) continue;
@@ -226,12 +234,11 @@ class ApmReader : CcsdsReader {
           continue;
         }
         if (s.omega_body_rad_s && !of_body.isApprox(*s.omega_body_rad_s, 1e-3)) {
-          warn(
-              fmt::format("line {}: the ANGVEL block and the rates of the {} block differ by {:.3g} deg/s; the ANGVEL "
-                          "block is used",
-                          block.line, s.block, (of_body - *s.omega_body_rad_s).norm() / degree));
+          warn(fmt::format("line {}: the ANGVEL block and {} differ by {:.3g} deg/s; the ANGVEL block is used",
+                           block.line, rates_of[i], (of_body - *s.omega_body_rad_s).norm() / degree));
         }
         s.omega_body_rad_s = of_body;
+        rates_of[i] = fmt::format("that of line {}", block.line);
         used = true;
       }
       if (!used) {
@@ -244,12 +251,11 @@ class ApmReader : CcsdsReader {
 
   /// The initial state: the first attitude that can be one, completed by the rate of another between the same frames.
   void choose_state() {
-    const StatedAttitude* best = nullptr;
+    const std::vector<StatedAttitude>& all = out_.body.attitudes;
     const auto score_of = [this](const StatedAttitude& s) { return score(s.body, s.known_frame); };
-    for (const StatedAttitude& s : out_.body.attitudes) {
-      if (best == nullptr || score_of(s) > score_of(*best)) best = &s;
-    }
-    if (best == nullptr) {
+    const auto best = std::max_element(
+        all.begin(), all.end(), [&](const auto& one, const auto& other) { return score_of(one) < score_of(other); });
+    if (best == all.end()) {
       if (!angular_velocities_.empty()) {
         throw error(angular_velocities_[0].line,
                     "an angular velocity, but no attitude (QUAT, EULER or SPIN block) that it belongs to");
@@ -258,14 +264,23 @@ class ApmReader : CcsdsReader {
       return;
     }
     std::optional<Vector3> omega = best->omega_body_rad_s;
-    for (const StatedAttitude& s : out_.body.attitudes) {
-      if (&s == best || !same_frame(s.frame, best->frame) || !same_frame(s.body, best->body)) continue;
+    const auto chosen = static_cast<std::size_t>(best - all.begin());
+    std::size_t rates_of = chosen;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const StatedAttitude& s = all[i];
+      if (i == chosen || !same_frame(s.frame, best->frame) || !same_frame(s.body, best->body)) continue;
       const double apart = rotation_angle_rad(s.q_frame_from_body, best->q_frame_from_body);
       if (apart > 1e-3) {
-        warn(fmt::format("the {} and {} blocks give attitudes that are {:.4g} deg apart; the first is used",
-                         best->block, s.block, apart / degree));
+        warn(fmt::format("{} and {} give attitudes that are {:.4g} deg apart; the first is used", block_of(chosen),
+                         block_of(i), apart / degree));
+      } else if (omega && s.omega_body_rad_s && !omega->isApprox(*s.omega_body_rad_s, 1e-3)) {
+        warn(fmt::format("{} and {} give rates that differ by {:.3g} deg/s; the first are used", block_of(rates_of),
+                         block_of(i), (*omega - *s.omega_body_rad_s).norm() / degree));
       }
-      if (!omega) omega = s.omega_body_rad_s;
+      if (!omega) {
+        omega = s.omega_body_rad_s;
+        rates_of = i;
+      }
     }
     set_state(*best, omega, epoch_.value());
   }
@@ -274,6 +289,7 @@ class ApmReader : CcsdsReader {
   bool v1_ = false;         // of the blocks
   std::optional<Instant> epoch_;
   std::vector<CcsdsBlock> angular_velocities_;
+  std::vector<std::size_t> lines_;  // of the blocks of the body's attitudes
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <cmath>
 #include <utility>
 
 #include "polhode/base/units.hpp"
@@ -15,9 +16,24 @@ namespace {
 
 Vector3 in_radians(std::span<const double> degrees) { return degree * Vector3(degrees[0], degrees[1], degrees[2]); }
 
-/// From q' = q omega / 2; the part of q' along q, which only rounding has, drops out.
-Vector3 omega_from_derivative(const Quaternion& q, std::span<const double> derivative) {
-  return 2.0 * (q.conjugate() * Quaternion(derivative[3], derivative[0], derivative[1], derivative[2])).vec();
+/// Half a unit of the last decimal that any of the numbers has, as printed.
+double rounding_of(std::span<const double> numbers) {
+  constexpr double finest = 1e-17, nearly = 1e-3;
+  double unit = 1.0;
+  for (const double number : numbers) {
+    while (unit > finest && std::abs(std::remainder(number, unit)) > nearly * unit) unit /= 10.0;
+  }
+  return 0.5 * unit;
+}
+
+/// From q' = q omega / 2 in the vector part; the scalar part is that of q' along q, which only rounding has.
+Quaternion half_rate(const Quaternion& q, std::span<const double> derivative) {
+  return q.conjugate() * Quaternion(derivative[3], derivative[0], derivative[1], derivative[2]);
+}
+
+/// What rounding leaves of the derivative of a quaternion along the quaternion.
+double rounding_along(const Quaternion& half_rate, std::span<const double> derivative) {
+  return ccsds_norm_tolerance * half_rate.norm() + 2.0 * rounding_of(derivative);  // |q1| + ... + |qc| <= 2
 }
 
 /// X_B = M X_A.
@@ -68,7 +84,17 @@ StatedAttitude CcsdsKinematics::stated(std::span<const double> numbers, std::str
 StatedAttitude CcsdsKinematics::stated(const Quaternion& q, std::span<const double> rate_numbers,
                                        std::string_view block, const SourceLocation& where) const {
   std::optional<Vector3> omega;
-  if (rate == Rate::quaternion) omega = omega_from_derivative(q, rate_numbers);
+  if (rate == Rate::quaternion) {
+    const Quaternion half = half_rate(q, rate_numbers);
+    const double most = rounding_along(half, rate_numbers);
+    if (tell && !(std::abs(half.w()) <= most)) {
+      tell(fmt::format(
+          "line {}: the derivative of the quaternion has a part of {:.3g} 1/s along the quaternion, which is "
+          "no rotation (rounding explains {:.2g} 1/s); the rest is taken as the rate",
+          where.line, half.w(), most));
+    }
+    omega = 2.0 * half.vec();
+  }
   if (rate == Rate::euler_angles) omega = omega_body_rad_s(*axes, euler_angles_rad(*axes, q), in_radians(rate_numbers));
   if (rate == Rate::angular_velocity_in_end) omega = in_radians(rate_numbers);
   if (rate == Rate::angular_velocity_in_start) omega = q.conjugate() * in_radians(rate_numbers);

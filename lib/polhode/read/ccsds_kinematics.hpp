@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,7 +34,8 @@ struct CcsdsKinematics {
   std::string start, end;  ///< frames, in the direction of the rotation
   Attitude attitude = Attitude::quaternion;
   Rate rate = Rate::none;
-  std::optional<EulerSequence> axes;  ///< where angles or their rates are given
+  std::optional<EulerSequence> axes;             ///< where angles or their rates are given
+  std::function<void(const std::string&)> tell;  ///< of what is doubtful; may be empty
 
   std::size_t attitude_numbers() const;
   std::size_t rate_numbers() const;

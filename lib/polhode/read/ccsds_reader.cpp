@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/located.hpp"
@@ -91,6 +92,9 @@ std::string CcsdsReader::frame_name(const CcsdsFields& f, std::string_view keywo
 
 void CcsdsReader::set_ends(CcsdsKinematics& k, const CcsdsFields& f, std::string_view a, std::string_view b,
                            std::string_view direction) {
+  k.tell = [this, told = false](const std::string& doubt) mutable {
+    if (!std::exchange(told, true)) warn(doubt);  // of its first row
+  };
   k.start = frame_name(f, a);
   k.end = frame_name(f, b);
   if (same_frame(k.start, k.end)) throw f.error(b, fmt::format("{} and {} are the same frame {}", a, b, k.end));
@@ -202,6 +206,10 @@ void CcsdsReader::finish(AttitudeHistory history) {
     set_state(a, row.omega_body_rad_s, row.time);
   } else {
     lack_state("an attitude (ATT block)");
+  }
+  for (std::size_t i = 0; i < history.segments.size(); ++i) {
+    const std::optional<std::string> doubt = doubt_about_interpolation(history.segments[i]);
+    if (doubt) warn(history.segments.size() > 1 ? fmt::format("segment {}: {}", i + 1, *doubt) : *doubt);
   }
   history.source = out_.body.source;
   history.warnings = out_.body.warnings;
