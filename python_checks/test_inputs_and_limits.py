@@ -139,6 +139,39 @@ def test_a_stream_that_is_too_large_ends_at_the_limit(tmp_path, way):
     assert "is too large: at most 512 MiB" in result.stderr
 
 
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be", "utf-32"])
+def test_other_encodings_than_utf_8_are_named(tmp_path, encoding):
+    path = tmp_path / "message.xml"
+    text = (ROOT / "data/samples/ccsds/valid/AEMExample11.xml").read_text().replace("UTF-8", encoding)
+    path.write_bytes(text.encode(encoding))
+    result = run("info", path, check=False)
+    assert result.returncode == 2
+    assert f"polhode: {path}: is text in UTF-16 or UTF-32, and UTF-8 is read" in result.stderr
+
+
+def test_what_follows_packed_data_is_not_passed_over(tmp_path):
+    out = propagate(TOUTATIS, tmp_path / "a.fits.gz", *SHORT)
+    whole = out.read_bytes()
+    out.write_bytes(whole + b"junk")
+    result = run("info", out, check=False)
+    assert result.returncode == 2 and f"{out}: something else follows the data that gzip packed" in result.stderr
+    out.write_bytes(whole + bytes(512))  # the padding of tapes
+    run("info", out)
+
+
+def test_sums_of_fits_are_held_against_the_bytes(tmp_path):
+    out = propagate(TOUTATIS, tmp_path / "a.fits", *SHORT)
+    whole = out.read_bytes()
+    assert "CHECKSUM" not in run("info", out).stdout
+    damaged = bytearray(whole)
+    damaged[-2880 + 3] ^= 1  # in the padding or the last rows
+    out.write_bytes(damaged)
+    result = run("propagate", out, "-o", tmp_path / "b.csv", check=False)
+    assert result.returncode == 2 and f"polhode: {out}: DATASUM is " in result.stderr
+    out.write_bytes(whole.replace(b"TUNIT1  = 's ", b"TUNIT1  = 'd ", 1))
+    assert f"polhode: warning: {out}: CHECKSUM is wrong" in run("propagate", out, "-o", tmp_path / "b.csv").stderr
+
+
 def test_zeros_are_refused_quickly(tmp_path):
     path = tmp_path / "zeros"
     with open(path, "wb") as file:

@@ -197,6 +197,12 @@ TEST(AsteroidFiles, DamitTumbler) {
   EXPECT_THROW(parse_damit_table(text, "t", ""), InputError);
   // Any column of a tumbler makes a tumbler of it: names of another table are not taken for a single period.
   try {
+    parse_damit_table("lambda,beta,period,phi0,jd0,BETA\n1,2,3,4,2451545,6\n", "t", "");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_STREQ(error.what(), "t:1: there are two columns 'beta'");
+  }
+  try {
     parse_damit_table("lambda,beta,phi0,psi0,Pphi,period,jd0\n1,2,3,4,5,6,2451545\n", "t", "");
     FAIL();
   } catch (const InputError& error) {

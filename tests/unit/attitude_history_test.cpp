@@ -125,6 +125,36 @@ TEST(Resample, OwnRowsAreTakenOver) {
   }
 }
 
+TEST(Interpolation, RowsMoreThanHalfATurnApartAreDoubted) {
+  using enum AttitudeInterpolation;
+  const auto doubt = [](AttitudeInterpolation method, bool rates, std::initializer_list<double> turns_deg) {
+    AttitudeSegment segment;
+    segment.method = method;
+    segment.degree = 7;
+    double angle_deg = 0.0, t_s = 0.0;
+    for (const double turn_deg : turns_deg) {
+      segment.samples.push_back({at(t_s), about(Vector3::UnitX(), angle_deg * std::numbers::pi / 180.0), std::nullopt});
+      if (rates) segment.samples.back().omega_body_rad_s = Vector3(turn_deg * std::numbers::pi / 180.0, 0.0, 0.0);
+      angle_deg += turn_deg;
+      t_s += 1.0;
+    }
+    return doubt_about_interpolation(segment).value_or("none");
+  };
+  for (const bool rates : {false, true}) {
+    for (const AttitudeInterpolation method : {linear, lagrange, hermite}) {
+      EXPECT_EQ(doubt(method, rates, {150.0, 160.0, 170.0, 178.0, 170.0}), "none");
+    }
+  }
+  const std::string by_rates = "rows 3 and 4 are more than half a turn apart, by their rates; LAGRANGE takes the ";
+  EXPECT_EQ(doubt(lagrange, true, {150.0, 170.0, 185.0, 180.0}).substr(0, by_rates.size()), by_rates);
+  EXPECT_EQ(doubt(linear, true, {150.0, 170.0, 185.0, 180.0}), "none");  // rates count turns
+  EXPECT_EQ(doubt(hermite, true, {150.0, 170.0, 185.0, 180.0}), "none");
+  for (const AttitudeInterpolation method : {linear, lagrange, hermite}) {
+    const std::string by_rows = "rows 3 and 4 are more than half a turn apart, by the turn before them";
+    EXPECT_EQ(doubt(method, false, {150.0, 170.0, 185.0, 180.0}).substr(0, by_rows.size()), by_rows);
+  }
+}
+
 TEST(Resample, EachMethodMeetsTheMotionAndItsRate) {
   struct Case {
     AttitudeInterpolation method;
@@ -428,6 +458,22 @@ TEST(FitsHistory, WhatAHeaderClaimsIsHeldAgainstTheBytes) {
             "m: row 1: the quaternion has length 2, it must be 1");
 }
 
+TEST(FitsHistory, SumsAreHeldAgainstTheBytes) {
+  const auto with_card = [](const std::string& card) {
+    std::vector<std::string> list = cards();
+    list.push_back(card);
+    return fits(list, two_rows);
+  };
+  EXPECT_EQ(fault_of(with_card("DATASUM = '3433929114'")), "accepted");  // by numpy
+  EXPECT_EQ(fault_of(with_card("DATASUM = ''")), "accepted");
+  EXPECT_EQ(
+      fault_of(with_card("DATASUM = '3433929115'")),
+      "m: DATASUM is 3433929115 and the data give 3433929114: the rows are damaged, or were changed by what leaves "
+      "the sum as it was");
+  EXPECT_TRUE(parse_attitude_history(with_card("CHECKSUM= ''"), "m")->warnings.empty());
+  EXPECT_EQ(parse_attitude_history(with_card("CHECKSUM= '0000000000000000'"), "m")->warnings.size(), 1U);
+}
+
 TEST(TextHistory, AFrameThatIsNotKnownIsANameOnly) {
   const std::string text = read_text_file(samples + "attitude/spinner.ecsv");
   const AttitudeHistory h = *parse_attitude_history(replaced(text, "frame_a: \"ICRF\"", "frame_a: \"LVLH\""), "m");
@@ -435,6 +481,24 @@ TEST(TextHistory, AFrameThatIsNotKnownIsANameOnly) {
   EXPECT_FALSE(h.segments[0].known_frame);
   EXPECT_EQ(h.object, "spinner");
   EXPECT_EQ(h.warnings.size(), 1U);
+}
+
+TEST(TextHistory, NoColumnIsPassedOverInSilence) {
+  const std::string text = read_text_file(samples + "attitude/spinner.ecsv");
+  EXPECT_TRUE(parse_attitude_history(text, "m")->warnings.empty());
+  const std::string names = "date_tt,q_x,q_y,q_z,q_scalar,omega_body_x_rad_s,omega_body_y_rad_s,omega_body_z_rad_s";
+  const auto with_names = [&](const std::string& from, const std::string& to) {
+    return replaced(text, "\n" + names, "\n" + replaced(names, from, to));
+  };
+  const AttitudeHistory h = *parse_attitude_history(with_names("omega_body_y_rad_s", "wy"), "m");
+  EXPECT_FALSE(h.segments[0].has_rates());
+  EXPECT_EQ(h.warnings, std::vector<std::string>{"m: not read: omega_body_x_rad_s, wy, omega_body_z_rad_s; rates are "
+                                                 "omega_body_x_rad_s, _y_rad_s and _z_rad_s"});
+  EXPECT_NE(fault_of(with_names("omega_body_z_rad_s", "q_scalar")).find(": there are two columns q_scalar"),
+            std::string::npos);
+  EXPECT_NE(fault_of(replaced(text, "{name: q_x, ", "{name: q_x, unit: deg, "))
+                .find(": column q_x has the unit deg by the header; none is wanted"),
+            std::string::npos);
 }
 
 // --- gzip ------------------------------------------------------------------------------------------------------------
@@ -457,6 +521,7 @@ TEST(Gzip, IsUnpackedWithinBounds) {
   const std::string text = read_text_file(samples + "attitude/spinner.fits");
   EXPECT_EQ(unpack_gzip(packed(text), "m"), text);
   EXPECT_EQ(unpack_gzip(packed(text) + packed("more"), "m"), text + "more");
+  EXPECT_EQ(unpack_gzip(packed(text) + std::string(512, '\0'), "m"), text);
   const auto fault = [](const std::string& content) -> std::string {
     try {
       unpack_gzip(content, "m");
@@ -467,6 +532,7 @@ TEST(Gzip, IsUnpackedWithinBounds) {
   };
   const std::string small = packed(text);
   EXPECT_EQ(fault(small.substr(0, small.size() / 2)), "m: the gzip file is cut off");
+  EXPECT_EQ(fault(small + "junk"), "m: something else follows the data that gzip packed");
   EXPECT_EQ(fault("\x1f\x8b\x08 and no more"), "m: the gzip file is broken");
   EXPECT_EQ(fault(packed(std::string(80U << 20U, '\0'))), "m: unpacks to more than a hundred times its size");
 }

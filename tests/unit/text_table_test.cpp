@@ -50,5 +50,22 @@ TEST(TextTable, ReadsTheHeaderOfEcsv) {
   EXPECT_TRUE(TextTable("# nothing\n", "m").names().empty());
 }
 
+TEST(TextTable, RefusesDoubledColumnsAndOtherUnits) {
+  const TextTable table("# - {name: mjd_tdb, unit: h, datatype: float64}\nmjd_tdb,q_x,q_x\n1,2,3\n", "m");
+  const auto fault = [](const auto& work) -> std::string {
+    try {
+      work();
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(fault([&] { table.column("q_x"); }), "m:2: there are two columns q_x");
+  EXPECT_EQ(table.column("q_y"), 3U);
+  EXPECT_EQ(fault([&] { table.check_unit(0, "d"); }), "m:2: column mjd_tdb has the unit h by the header; d is wanted");
+  EXPECT_EQ(fault([&] { table.check_unit(0, "d h"); }), "accepted");
+  EXPECT_EQ(fault([&] { table.check_unit(1, ""); }), "accepted");
+}
+
 }  // namespace
 }  // namespace polhode

@@ -186,6 +186,13 @@ TEST_F(TrajectoryFile, ReadsTablesOfText) {
   EXPECT_LT(off(read(seconds), 0, 3500).first, 0.1);
   EXPECT_LT(off(read(dates), 0, 3500).first, 0.02);
   EXPECT_LT(off(read(astropy), 0, 3500).first, 0.1);
+  // Another unit by the header goes before the name, which astropy leaves as it was.
+  EXPECT_LT(
+      off(read("# - {name: x_km, unit: m}\n# - {name: y_km, unit: m}\n# - {name: z_km, unit: m}\nt_s,x_km,y_km,z_km\n" +
+               seconds.substr(seconds.find('\n') + 1)),
+          0, 3500)
+          .first,
+      0.1);
   request.frame = Frame::ecliptic_j2000;
   request.table_frame = Frame::icrf;
   const Vector3 turned = q_icrf_from(Frame::ecliptic_j2000) * read(seconds).state(1000.0).position_m;
@@ -215,6 +222,9 @@ TEST_F(TrajectoryFile, SaysWhatIsWrongAndWhere) {
   says("t_s,x_m,y_m,z_miles\n0,1,2,3\n", "'miles'");
   says("t_s,x_m,y_m,z_m\n0,1,2,3\n1,2\n", ":3: 2 cells");
   says("t_s x y z\n0 1 2 3\n", "has no unit");
+  says("t_s,x_m,y_m,z_m,x_km\n0,1,2,3,4\n", "there are two columns for x: x_m and x_km");
+  says("# - {name: mjd_tdb, unit: h}\nmjd_tdb,x_m,y_m,z_m\n0,1,2,3\n", ":2: column mjd_tdb has the unit h");
+  says("# - {name: t_s, unit: h}\nt_s,x_m,y_m,z_m\n0,1,2,3\n", ":2: column t_s has the unit h by the header; s is");
   request.table_frame = Frame::icrf;
   says(oem(good, rows(0, 600, 60)), "names its own frame");
 }

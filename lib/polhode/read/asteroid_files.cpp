@@ -138,7 +138,7 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
         "residual {:+.2g} deg",
         energy, motion.energy - energy, theta_deg, theta_deg - std::abs(*spin.theta0_deg)));
   } else {
-    body.warnings.emplace_back("theta0 is not given: of the two angles with this energy that below 90 deg is taken");
+    body.warnings.emplace_back("theta0 is not given: two angles have this energy, and the one below 90 deg is taken");
   }
   const Quaternion q_frame_from_principal =
       q_frame_from_momentum(degree * spin.longitude_deg, degree * spin.latitude_deg) * at.q_momentum_from_principal;
@@ -189,6 +189,11 @@ bool is_damit_table(std::string_view text) {
 Body parse_damit_table(std::string_view text, const std::string& path, const std::string& row) {
   TextTable table(text, path);
   const std::vector<std::string> names = lower_cased(table.names());
+  std::vector<std::string> sorted = names;
+  std::sort(sorted.begin(), sorted.end());
+  if (const auto twice = std::adjacent_find(sorted.begin(), sorted.end()); twice != sorted.end()) {
+    throw table.error(fmt::format("there are two columns '{:.40}'", *twice));
+  }
   constexpr std::array<std::string_view, 6> of_tumblers{"psi0", "p_phi", "p_psi", "i1", "i2", "i3"};
   const bool tumbler = std::any_of(of_tumblers.begin(), of_tumblers.end(),
                                    [&](std::string_view name) { return has_all(names, {name}); });

@@ -30,6 +30,9 @@ void finish(AttitudeHistory& history, AttitudeSegment segment, const std::string
         fmt::format("{}: the frame {:.40} is not known; it is taken as a name only", path, frame_name));
   }
   segment.choose_method();
+  if (const std::optional<std::string> doubt = doubt_about_interpolation(segment)) {
+    history.warnings.push_back(fmt::format("{}: {}", path, *doubt));
+  }
   history.segments.push_back(std::move(segment));
 }
 
@@ -81,6 +84,9 @@ AttitudeHistory parse_fits(std::string_view bytes, const std::string& path) {
   history.object_id = table.text("OBJECTID").value_or("");
   history.source = "FITS table ATTITUDE";
   history.inertia = inertia_of(table);
+  if (!table.checksum_is_right()) {
+    history.warnings.push_back(path + ": CHECKSUM is wrong: the header was changed by what leaves it as it was");
+  }
   const std::optional<std::string> scale = table.text("TIMESYS");
   if (!scale) throw fail("TIMESYS is missing");
   history.scale = located({path, 0}, [&] { return time_scale(*scale); });
@@ -183,6 +189,8 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   const auto all = [columns](const auto& list) { return *std::max_element(list.begin(), list.end()) < columns; };
   if (!all(q)) throw table.error("the columns q_x, q_y, q_z, q_scalar are wanted");
   const bool rates = all(omega);
+  for (const std::size_t column : q) table.check_unit(column, "");
+  table.check_unit(0, "");
   Vector3 rate_unit_rad_s = Vector3::Ones();
   for (std::size_t k = 0; rates && k < 3; ++k) {
     const std::string_view unit = table.header().unit(table.names()[omega[k]]);
@@ -194,6 +202,17 @@ AttitudeHistory parse_text_table(std::string_view text, const std::string& path)
   if (frame_name.empty() && frame_at == columns) {
     frame_name = "ICRF";
     history.warnings.push_back(path + ": the table has no column frame; ICRF is assumed");
+  }
+  std::string unknown;
+  for (std::size_t i = 1; i < columns; ++i) {
+    const std::string& name = table.names()[i];
+    const auto has = [i](const auto& list) { return std::find(list.begin(), list.end(), i) != list.end(); };
+    if (i == frame_at || has(q) || (rates && has(omega)) || name.starts_with("momentum_body_")) continue;
+    unknown += fmt::format("{}{:.40}", unknown.empty() ? "" : ", ", name);
+  }
+  if (!unknown.empty()) {
+    history.warnings.push_back(fmt::format("{}: not read: {}{}", path, unknown,
+                                           rates ? "" : "; rates are omega_body_x_rad_s, _y_rad_s and _z_rad_s"));
   }
   AttitudeSegment segment;
   segment.body = "BODY";

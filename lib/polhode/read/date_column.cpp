@@ -19,7 +19,9 @@ std::string without_exponent(const std::string& cell) {
 
 }  // namespace
 
-DateReader date_column(std::string_view name, std::string_view header_scale) {
+DateReader date_column(const TextTable& table, std::size_t column) {
+  const std::string_view name = table.names()[column];
+  const std::string_view header_scale = table.header().scale();
   struct Kind {
     std::string_view begin;
     std::string_view before;  // what parse_date wants before the number
@@ -27,16 +29,20 @@ DateReader date_column(std::string_view name, std::string_view header_scale) {
   constexpr std::array kinds{Kind{"date_", ""}, Kind{"jd_", "JD "}, Kind{"mjd_", "MJD "}};
   for (const Kind& kind : kinds) {
     if (!name.starts_with(kind.begin)) continue;
-    const TimeScale scale = time_scale(name.substr(kind.begin.size()));
+    const TimeScale scale = table.located([&] { return time_scale(name.substr(kind.begin.size())); });
+    table.check_unit(column, kind.before.empty() ? "" : "d");
     return [scale, before = kind.before](std::string_view cell) {
       return before.empty() ? parse_date(cell, scale) : parse_date(fmt::format("{}{}", before, cell), scale);
     };
   }
   if (name != "time") return {};
   if (header_scale.empty()) {
-    throw InputError("the header says no scale of the column time; date_tdb names one");
+    throw table.error("the header says no scale of the column time; date_tdb names one");
   }
-  return [scale = time_scale(header_scale)](std::string_view cell) { return parse_date(cell, scale); };
+  table.check_unit(column, "");
+  return [scale = table.located([&] { return time_scale(header_scale); })](std::string_view cell) {
+    return parse_date(cell, scale);
+  };
 }
 
 std::optional<DateColumn> DateColumn::in(const TextTable& table) {
@@ -48,12 +54,19 @@ std::optional<DateColumn> DateColumn::in(const TextTable& table) {
     const bool two = !time.jd1.empty() && !time.jd2.empty();
     out.first_ = table.column(two ? time.jd1 : time.value.empty() ? time.name : time.value);
     out.second_ = two ? table.column(time.jd2) : out.first_;
-    if (out.first_ < columns && out.second_ < columns) return out;
+    if (out.first_ < columns && out.second_ < columns) {
+      for (const std::size_t column : {out.first_, out.second_}) {
+        table.check_unit(column, two || contains_word("jd mjd", time.format) ? "d" : "");
+      }
+      return out;
+    }
   }
   for (out.first_ = 0; out.first_ < columns; ++out.first_) {
-    out.read_ = table.located([&] { return date_column(table.names()[out.first_], table.header().scale()); });
+    out.read_ = date_column(table, out.first_);
     out.second_ = out.first_;
-    if (out.read_) return out;
+    if (!out.read_) continue;
+    table.column(table.names()[out.first_]);  // once
+    return out;
   }
   return std::nullopt;
 }

@@ -13,9 +13,10 @@ namespace polhode {
 /// Reads the cells of a column of dates. Throws InputError for a cell that is none.
 using DateReader = std::function<Instant(std::string_view)>;
 
-/// The reader for a column of that name: "date_utc", "jd_tdb", "mjd_tt" and the like, or "time" with the scale that an
-/// ECSV header gives. Empty if the name is not one of dates. Throws InputError where the scale is missing or unknown.
-DateReader date_column(std::string_view name, std::string_view header_scale);
+/// The reader for a column whose name is "date_utc", "jd_tdb", "mjd_tt" and the like, or "time" with the scale that an
+/// ECSV header gives. Empty if the name is not one of dates. Throws InputError, with the line of the names, where the
+/// scale is missing or unknown, or the header gives a unit that is not the name's.
+DateReader date_column(const TextTable& table, std::size_t column);
 
 /// The column of dates of a table, or the two whose sum is a JD.
 class DateColumn {

@@ -55,6 +55,18 @@ double big_endian(std::string_view bytes) {
   return static_cast<double>(std::bit_cast<Number>(bits));
 }
 
+/// Ones' complement sum of 32-bit words, the last filled up with zeros (FITS 4.0 appendix J), added to another.
+std::uint64_t checksum(std::string_view bytes, std::uint64_t sum) {
+  for (std::size_t at = 0; at < bytes.size(); at += 4) {
+    std::uint32_t word = 0;
+    for (std::size_t k = at; k < at + 4; ++k)
+      word = (word << 8) | (k < bytes.size() ? static_cast<unsigned char>(bytes[k]) : 0U);
+    sum += word;
+  }
+  while ((sum >> 32) != 0) sum = (sum & 0xffffffffU) + (sum >> 32);
+  return sum;
+}
+
 }  // namespace
 
 std::optional<std::string> FitsTable::text(const Header& header, std::string_view keyword) {
@@ -144,6 +156,7 @@ std::size_t FitsTable::data_size(const Header& header) const {
 FitsTable::FitsTable(std::string_view bytes, std::string_view extension, std::string file) : file_(std::move(file)) {
   std::string_view rest = bytes;
   while (!rest.empty()) {
+    const std::string_view whole = rest;
     header_ = take_header(rest);
     const std::size_t size = data_size(header_);
     const bool wanted =
@@ -163,9 +176,23 @@ FitsTable::FitsTable(std::string_view bytes, std::string_view extension, std::st
                                                extension, rows_, row_bytes_));
     }
     data_ = rest.substr(0, rows_ * row_bytes_);
+    check_sums(whole.substr(0, whole.size() - rest.size()), rest.substr(0, size));
     return;
   }
   throw InputError({file_, 0}, fmt::format("the FITS file has no binary table {}", extension));
+}
+
+void FitsTable::check_sums(std::string_view header, std::string_view data) {
+  const std::uint64_t of_data = checksum(data, 0);
+  const std::string stated = text("DATASUM").value_or("");  // '' states none
+  if (const auto sum = parse_integer(stated); sum && static_cast<std::uint64_t>(*sum) != of_data) {
+    throw InputError({file_, 0},
+                     fmt::format("DATASUM is {} and the data give {}: the rows are damaged, or were changed "
+                                 "by what leaves the sum as it was",
+                                 stated, of_data));
+  }
+  constexpr std::uint64_t minus_zero = 0xffffffff;
+  checksum_is_right_ = text("CHECKSUM").value_or("").empty() || checksum(header, of_data) == minus_zero;
 }
 
 std::optional<std::string> FitsTable::text(std::string_view keyword) const { return text(header_, keyword); }

@@ -16,10 +16,12 @@ namespace polhode {
 class FitsTable {
  public:
   /// The first binary table whose EXTNAME is `extension`. `bytes` must outlive it, `file` stands in messages. Throws
-  /// InputError if there is no such table, or a header before it or its own is broken.
+  /// InputError if there is no such table, a header before it or its own is broken, or DATASUM is not that of its data.
   FitsTable(std::string_view bytes, std::string_view extension, std::string file);
 
   std::size_t rows() const { return rows_; }
+  /// Whether CHECKSUM, where the header has one, is that of header and data.
+  bool checksum_is_right() const { return checksum_is_right_; }
 
   /// The value of a keyword of the table's header; nothing if it is absent or of another kind.
   std::optional<std::string> text(std::string_view keyword) const;
@@ -41,6 +43,7 @@ class FitsTable {
   using Header = std::map<std::string, std::string, std::less<>>;
 
   Header take_header(std::string_view& rest) const;
+  void check_sums(std::string_view header, std::string_view data);
   std::size_t data_size(const Header& header) const;
   static std::optional<std::string> text(const Header& header, std::string_view keyword);
   static std::optional<std::string> text_of(std::string_view value);
@@ -52,6 +55,7 @@ class FitsTable {
   std::string_view data_;
   std::size_t rows_ = 0;
   std::size_t row_bytes_ = 0;
+  bool checksum_is_right_ = true;
 };
 
 }  // namespace polhode

@@ -73,6 +73,11 @@ std::string content_of(const std::string& path) {
   if (content.empty()) throw InputError({path, 0}, "the file is empty");
   if (content.starts_with("\x1f\x8b")) content = unpack_gzip(content, path);
   if (content.starts_with("\xEF\xBB\xBF")) content.erase(0, 3);
+  const std::string_view begin = std::string_view(content).substr(0, 2);
+  if (begin == "\xff\xfe" || begin == "\xfe\xff" || begin == std::string_view("<\0", 2) ||
+      begin == std::string_view("\0<", 2)) {
+    throw InputError({path, 0}, "is text in UTF-16 or UTF-32, and UTF-8 is read; iconv -f UTF-16 -t UTF-8 makes it");
+  }
   return content;
 }
 
@@ -118,7 +123,10 @@ std::string unpack_gzip(std::string_view packed, const std::string& name) {
       throw InputError({name, 0}, "unpacks to more than a hundred times its size");
     }
     if (status == Z_STREAM_END) {
-      if (!rest.starts_with("\x1f\x8b")) return out;  // gzip files may be joined; what else follows is padding
+      if (rest.find_first_not_of('\0') == std::string_view::npos) return out;  // zeros are padding
+      if (!rest.starts_with("\x1f\x8b")) {                                     // gzip files may be joined
+        throw InputError({name, 0}, "something else follows the data that gzip packed");
+      }
       inflateReset(&stream);
     } else if (status != Z_OK || (rest.empty() && stream.avail_out == buffer.size())) {
       throw InputError(

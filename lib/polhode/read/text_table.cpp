@@ -149,7 +149,18 @@ std::string_view TextTable::take_content() {
 }
 
 std::size_t TextTable::column(std::string_view name) const {
-  return static_cast<std::size_t>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+  const auto found = std::find(names_.begin(), names_.end(), name);
+  if (found != names_.end() && std::find(found + 1, names_.end(), name) != names_.end()) {
+    throw error(fmt::format("there are two columns {:.40}", name));
+  }
+  return static_cast<std::size_t>(found - names_.begin());
+}
+
+void TextTable::check_unit(std::size_t column, std::string_view allowed) const {
+  const std::string_view unit = header_.unit(names_[column]);
+  if (unit.empty() || contains_word(allowed, unit)) return;
+  throw error(fmt::format("column {:.40} has the unit {:.20} by the header; {} is wanted", names_[column], unit,
+                          allowed.empty() ? "none" : allowed));
 }
 
 bool TextTable::next() {

@@ -55,8 +55,10 @@ class TextTable {
 
   const EcsvHeader& header() const { return header_; }
   const std::vector<std::string>& names() const { return names_; }  ///< empty: there is no line of names
-  /// The column of that name; names().size() if there is none.
+  /// The column of that name; names().size() if there is none. Throws InputError if there are two.
   std::size_t column(std::string_view name) const;
+  /// Throws InputError if the header gives a column another unit than one of these, between blanks; none: empty.
+  void check_unit(std::size_t column, std::string_view allowed) const;
 
   /// Goes to the next row; false at the end. Throws InputError unless it has as many cells as there are names.
   bool next();

@@ -209,14 +209,14 @@ class TableReader {
   DateReader clock() const {
     const std::string& name = table_.names()[0];
     if (name == "t_s") {
+      table_.check_unit(0, "s");
       return [zero = request_.zero](std::string_view text) {
         const std::optional<double> seconds = parse_number(text);
         if (!seconds) throw InputError(fmt::format("'{:.40}' is not a number of seconds", text));
         return zero + Seconds{*seconds, 0.0};
       };
     }
-    const DateReader reader = table_.located([&] { return date_column(name, table_.header().scale()); });
-    if (reader) return reader;
+    if (const DateReader reader = date_column(table_, 0)) return reader;
     throw table_.error(
         fmt::format("the first column is '{:.40}'; allowed: date_, jd_ or mjd_ and a time scale "
                     "(date_tdb), time with its scale in an ECSV header, t_s",
@@ -225,28 +225,34 @@ class TableReader {
 
   std::optional<Column> find(std::string_view wanted) const {
     const bool speed = wanted.starts_with('v');
+    std::optional<Column> found;
     for (std::size_t i = 1; i < table_.names().size(); ++i) {
       const std::string& name = table_.names()[i];
-      std::string unit;
+      std::string unit(table_.header().unit(name));  // goes before its name's
       if (name == wanted) {
-        unit = table_.header().unit(name);
         if (unit.empty()) {
           throw table_.error(
               fmt::format("column {} has no unit: name it {}{} or the like", name, name, speed ? "_km_s" : "_km"));
         }
       } else if (name.size() > wanted.size() && name.starts_with(wanted) && name[wanted.size()] == '_') {
-        unit = name.substr(wanted.size() + 1);
-        std::replace(unit.begin(), unit.end(), '_', '/');  // vx_km_s
+        if (unit.empty()) {
+          unit = name.substr(wanted.size() + 1);
+          std::replace(unit.begin(), unit.end(), '_', '/');  // vx_km_s
+        }
       } else {
         continue;
       }
+      if (found) {
+        throw table_.error(
+            fmt::format("there are two columns for {}: {} and {}", wanted, table_.names()[found->index], name));
+      }
       try {
-        return Column{i, speed ? speed_unit_m_s(unit) : length_unit_m(unit)};
+        found = Column{i, speed ? speed_unit_m_s(unit) : length_unit_m(unit)};
       } catch (const InputError& error) {
         throw table_.error(fmt::format("column {}: {}", name, error.what()));
       }
     }
-    return std::nullopt;
+    return found;
   }
 
   Column column(std::string_view wanted) const {
