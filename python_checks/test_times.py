@@ -7,8 +7,9 @@ import time
 
 import numpy as np
 import pytest
+from astropy import units as u
 from astropy.io import fits
-from astropy.table import Table
+from astropy.table import QTable, Table
 from astropy.time import Time
 from support import ROOT, TOUTATIS, leap_second_kernel, propagate, run
 
@@ -168,6 +169,38 @@ def test_now_is_a_date(tmp_path):
 def test_what_is_no_date_is_said_so(tmp_path, options, message):
     stderr = refused("propagate", TOUTATIS, "-o", "a.csv", *options, cwd=tmp_path)
     assert message in stderr and "ITRF" not in stderr
+
+
+def test_all_days_of_the_years_0000_to_9999_are_dates():
+    """UTC of before 1960 is TAI; of the years to come it stays 37 s behind TAI."""
+    for date, tt in [
+        ("0000-01-01T00:00:00", "0000-01-01T00:00:32.184"),
+        ("JD 1721059.5", "0000-01-01T00:00:32.184"),
+        ("9999-12-31T00:00:00", "9999-12-31T00:01:09.184"),
+        ("9999-12-31T23:58:50.5", "9999-12-31T23:59:59.684"),
+    ]:
+        assert run("convert-time", "--from", "UTC", "--to", "TT", "--decimals", "3", input=date).stdout.strip() == tt
+    assert "outside the years 0000 to 9999" in refused("convert-time", "--to", "TT", input="9999-12-31T23:59:59 UTC\n")
+
+
+@pytest.mark.parametrize("option", ["--start", "--stop"])
+@pytest.mark.parametrize("span", ["+1e17", "-1e17", "+1e18 s", "+3e6 d"])
+def test_spans_that_lead_out_of_all_years_are_said_so(tmp_path, option, span):
+    for way in (("--count", "2"), ("--step", "1e16")):
+        span_of_other = ("--stop", "+1 d") if option == "--start" else ()
+        message = refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", option, span, "--scale", "TT", *way, *span_of_other)
+        assert f"{option}: '{span}' leads from 1992-11-09T17:50:46 TT out of the years 0000 to 9999" in message
+
+
+def test_a_unit_that_contradicts_the_name_of_its_column_is_refused(tmp_path):
+    table = tmp_path / "times.ecsv"
+    QTable({"mjd_tdb": [49000.0, 49001.0] * u.h}).write(table, format="ascii.ecsv")
+    message = refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", table)
+    assert f"{table}:" in message and "column mjd_tdb has the unit h by the header; d is wanted" in message
+    QTable({"mjd_tdb": [49000.0, 49001.0] * u.d}).write(table, format="ascii.ecsv", overwrite=True)
+    assert len(dates(propagate(TOUTATIS, tmp_path / "a.csv", "--times", table))) == 2
+    table.write_text("mjd_tdb,mjd_tdb\n49000.0,49001.0\n")
+    assert "there are two columns mjd_tdb" in refused("propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--times", table)
 
 
 @pytest.mark.parametrize("option, value", [("--ut1-utc", "nan"), ("--ut1-utc", "1e300"), ("--ut1-utc", "-69"), ("--pole-x", "inf")])

@@ -37,6 +37,12 @@ Instant wanted_date(const std::string& text, Instant from, const DateRule& rule,
   bool is_utc = rule.rows == TimeScale::utc;
   if (text.starts_with('+') || text.starts_with('-')) {
     out = instant_from_j2000(since_j2000(from, rule.rows) + parse_duration(text), rule.rows);
+    try {
+      format_date(out, rule.rows, 0);
+    } catch (const InputError&) {
+      throw InputError(fmt::format("'{}' leads from {} {} out of the years 0000 to 9999, in which dates are allowed",
+                                   text, format_date(from, rule.rows, 0), name(rule.rows)));
+    }
   } else if (is_span(text)) {
     throw InputError(
         fmt::format("'{0}' is a span of time, not a date; '+{0}' counts from the epoch or the start", text));

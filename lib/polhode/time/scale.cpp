@@ -18,8 +18,9 @@ namespace polhode {
 namespace {
 
 constexpr double day_s = 86400.0;
-constexpr double mjd_zero = 2400000.5;   // as a Julian date
-constexpr double mjd_j2000_day = 51544;  // 2000-01-01; J2000 is its noon
+constexpr double mjd_zero = 2400000.5;                         // as a Julian date
+constexpr double mjd_j2000_day = 51544;                        // 2000-01-01; J2000 is its noon
+constexpr double first_mjd = -678941.0, last_mjd = 2973483.0;  // 0000-01-01, 9999-12-31
 constexpr Seconds tt_minus_tai{32.184, 2.5011104298755525e-15};
 constexpr Seconds tt_minus_gps{51.184, 2.5011104298755525e-15};
 
@@ -80,11 +81,12 @@ Seconds join_uniform(const DayAndSeconds& day) {
   return exact_product(day.mjd - mjd_j2000_day, day_s) + (day.seconds - Seconds{0.5 * day_s, 0.0});
 }
 
-CalendarDate calendar(double mjd) {
+/// `beyond` days before and after the years that can be written are days, too.
+CalendarDate calendar(double mjd, double beyond = 0.0) {
   CalendarDate date;
   double fraction = 0.0;
-  if (!(std::abs(mjd) < 1e7) || eraJd2cal(mjd_zero, mjd, &date.year, &date.month, &date.day, &fraction) != 0 ||
-      date.year < 0 || date.year > 9999) {
+  if (!(first_mjd - beyond <= mjd && mjd < last_mjd + 1.0 + beyond) ||
+      eraJd2cal(mjd_zero, mjd, &date.year, &date.month, &date.day, &fraction) != 0) {
     throw InputError("a date outside the years 0000 to 9999 cannot be written as a calendar date");
   }
   return date;
@@ -108,8 +110,8 @@ struct UtcDay {
 };
 
 UtcDay utc_day(double mjd) {
-  const CalendarDate today = calendar(mjd);
-  const CalendarDate tomorrow = calendar(mjd + 1.0);
+  const CalendarDate today = calendar(mjd, 2.0);  // UTC is within a day of scales that can be written
+  const CalendarDate tomorrow = calendar(mjd + 1.0, 2.0);
   double at_0h = 0.0, at_12h = 0.0, at_24h = 0.0;
   const int status = eraDat(today.year, today.month, today.day, 0.0, &at_0h);
   eraDat(today.year, today.month, today.day, 0.5, &at_12h);
@@ -227,7 +229,6 @@ Instant parse_julian(std::string_view text, std::string_view numbers, double zer
     fraction = fraction + Seconds{1.0, 0.0};
     day -= 1.0;
   }
-  constexpr double first_mjd = -678941.0, last_mjd = 2973483.0;  // 0000-01-01, 9999-12-31
   if (!(first_mjd <= day && day <= last_mjd)) {
     throw InputError(fmt::format("'{}' lies outside of the years 0000 to 9999", text));
   }
