@@ -1,6 +1,7 @@
 """`polhode chart` and its plots, at tiny sizes: tables that astropy reads, and figures that hold something."""
 
 import os
+import resource
 import subprocess
 import sys
 from pathlib import Path
@@ -159,5 +160,21 @@ def test_figures_that_cannot_be_written(speed, tmp_path):
 def test_a_chart_without_a_row_is_an_error(tmp_path):
     command = [POLHODE, "chart", "torqued", ROOT / "data/scenes/envisat-month.toml", "--size", "0.01", "-o", tmp_path / "charts"]
     result = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert result.returncode == 1 and "no table is written" in result.stderr and "a larger --size" in result.stderr
+    assert result.returncode == 1, result.stderr
+    left_out, none = result.stderr.splitlines()
+    assert left_out.startswith("polhode: envisat-month is left out: its reference did not reach the end within 1000")
+    assert none == "polhode: no table is written, as everything is left out; take a shorter FILE@SPAN or a larger --size"
     assert not (tmp_path / "charts").exists()
+
+
+def seconds_of(*arguments):
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    subprocess.run([POLHODE, "chart", *arguments], check=True, capture_output=True)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before
+
+
+def test_the_least_size_takes_seconds(tmp_path):
+    """A map of stability took half a minute; a reference under torques was allowed too little to reach the end."""
+    assert seconds_of("stability", "-o", tmp_path, "--size", "0.01") < 10
+    chart(tmp_path, "torqued", f"{ROOT}/data/scenes/envisat-month.toml@6h", "--size", "0.01")
+    assert len(Table.read(tmp_path / "torqued.ecsv", format="ascii.ecsv")) > 0

@@ -69,6 +69,8 @@ def refused(*options, status=2, **others):
 
 
 SPAN = ("--stop", "+1 d", "--count", "3")
+CASE = ROOT / "data/truth/dev/sam-01.case"
+TORQUED = ROOT / "data/truth/torqued/combined-01.case"
 
 
 @pytest.mark.parametrize(
@@ -262,3 +264,67 @@ def test_lengths_of_quaternions_that_overflow_are_said(tmp_path):
     table.write_text((ROOT / "data/samples/attitude/spinner.csv").read_text().replace(",0,0,0,1,", ",1e308,1e308,0,1,"))
     stderr = refused("info", table)
     assert "the quaternion has length 1.41421e+308, it must be 1" in stderr
+
+
+@pytest.mark.parametrize(
+    "command, message",
+    [
+        (("propagate", TOUTATIS, "-o", "a.csv", *SPAN, "--frame", "TEME"), "--frame: 'TEME' is not an inertial frame; allowed: "),
+        (("propagate", TOUTATIS, "-o", "a.csv", *SPAN, "--scale", "XYZ"), "--scale: 'XYZ' is not a time scale; allowed: "),
+        (("propagate", TOUTATIS, "-o", "a.fits", *SPAN, "--scale", "GPS"), "--scale: readers of FITS do not know the time scale GPS"),
+        (("propagate", TOUTATIS, "-o", "a.ecsv", *SPAN, "--scale", "ET"), "--scale: astropy knows no time scale ET"),
+        (("propagate", TOUTATIS, "-o", "a.aem", *SPAN, "--scale", "ET"), "--scale: CCSDS knows no time scale ET"),
+        (("propagate", TOUTATIS, "-o", "a.csv", *SPAN, "--method", "kind"), "--method: unknown method 'kind', allowed are "),
+        (("propagate", TOUTATIS, "-o", "a.csv", *SPAN, "--max-evaluations", "9"), f"{TOUTATIS}: is no scene: --max-evaluations"),
+        (("propagate", ROOT / "data/samples/attitude/spinner.csv", "-o", "a.csv", "--frame", "TEME"), "--frame: 'TEME'"),
+        (("eval", CASE, "--method", "kind"), "--method: unknown method 'kind'"),
+        (("eval", CASE, "--max-evaluations", "9"), "--max-evaluations is for torques"),
+        (("eval", TORQUED, "--method", "kind"), "--method: "),
+        (("bench", CASE, "9", "--method", "kind"), "--method: unknown method 'kind'"),
+        (("convert-time", "--to", "XYZ"), "--to: 'XYZ' is not a time scale"),
+        (("convert-time", "--to", "TT", "--from", "XYZ"), "--from: 'XYZ' is not a time scale"),
+        (("convert-frame", "--from", "XYZ", "--to", "ICRF"), "--from: 'XYZ' is not a frame"),
+        (("convert-frame", "--to", "XYZ", "--from", "ICRF"), "--to: 'XYZ' is not a frame"),
+        (("convert-frame", "--to", "ICRF", "--from", "ITRF", "--scale", "XYZ"), "--scale: 'XYZ' is not a time scale"),
+    ],
+)
+def test_messages_about_values_name_their_option(tmp_path, command, message):
+    assert f"polhode: {message}" in refused(*command, cwd=tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_messages_of_eval_name_the_case_file(tmp_path):
+    case = tmp_path / "a.case"
+    lines = ["I 1 2 3", "q 1 0 0 0", "m 0.1 0.2 0.3", "t 10"]
+    for number, line, message in [
+        (0, "I 1e-320 2 3", "the principal moments are 1e-320, 2, 3"),
+        (0, "I 1e-100 2 3", "the largest may be 1e+100 times the smallest"),
+        (2, "m 1e-320 0 0", "the angular momentum is 1e-320, 0, 0"),
+        (2, "m 1e308 0 0", "the angular momentum is 1e+308, 0, 0"),
+    ]:
+        case.write_text("\n".join([*lines[:number], line, *lines[number + 1 :]]) + "\n")
+        stderr = refused("eval", case)
+        assert stderr.startswith(f"polhode: {case}:{number + 1}: ") and message in stderr
+    assert f"polhode: {TORQUED}: stopped: 0 s to " in refused("eval", TORQUED, "--max-evaluations", "100", status=1)
+    stderr = refused("eval", ROOT / "data/truth/torqued/envisat-slow-01.case", "--tolerance", "1e-15", status=1)
+    assert f"polhode: {ROOT}/data/truth/torqued/envisat-slow-01.case: tolerance not reachable: the estimated error" in stderr
+
+
+def test_messages_about_histories_name_their_file(tmp_path):
+    overlapping = CCSDS / "valid/AEMExample14.txt"
+    other = ROOT / "data/samples/attitude/spinner.csv"
+    for command in (("compare", overlapping, other), ("compare", other, overlapping), ("propagate", overlapping, "-o", tmp_path / "a.aem")):
+        assert f"polhode: {overlapping}: segments 1 and 2" in refused(*command)
+    unusable = CCSDS / "valid/AEMExample05.txt"
+    assert f"polhode: {unusable}: no row of the attitude history" in refused("propagate", unusable, "-o", tmp_path / "b.aem")
+    body = CCSDS / "valid/APMExample02.txt"
+    assert f"neither {body} nor {TOUTATIS} is an attitude ephemeris" in refused("compare", body, TOUTATIS)
+    rotator = ROOT / "data/samples/asteroid/spin.txt"
+    assert f"polhode: {rotator}: " in refused("propagate", rotator, "-o", tmp_path / "c.csv", *SPAN, "--momentum")
+
+
+def test_a_mesh_that_is_no_surface_is_traced_to_the_line_of_the_scene(tmp_path):
+    facets = 'unit_m = 1.0\ncentre_of_mass = "mesh origin"\nspecular = 0.1\ndiffuse = 0.1\norbit = "earth"\n'
+    (tmp_path / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
+    path, line = scene(tmp_path, "[[torque]]", '[[torque]]\nkind = "sunlight"\nmesh = "open.obj"\n' + facets + "[[torque]]")
+    assert f"{path}:{line + 2}: torque.mesh: 3 facets" in refused("plan", path)

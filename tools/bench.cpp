@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
@@ -87,7 +88,8 @@ Array irregular_times(const std::vector<double>& own, std::size_t count) {
 }
 
 void bench(const BenchOptions& options) {
-  const Method& chosen = rivals::measured_method(options.method);
+  const Method& chosen = in_option(
+      "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
   const CaseFile wanted = read_case_file(options.case_file);
   if (!wanted.torques.empty()) {
     throw InputError(fmt::format("{} has torques ('T' lines); bench measures free motion", options.case_file));

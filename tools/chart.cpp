@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/read/body.hpp"
@@ -161,8 +162,7 @@ void chart_stability(const ChartOptions& options) {
   constexpr double kEvaluations = 3e5;
   make_folder(options.folder);
   std::vector<std::vector<std::string>> rows;
-  for (const survey::StabilityRow& r :
-       survey::stability(options.size, kEvaluations * std::max(1.0, options.size), tell)) {
+  for (const survey::StabilityRow& r : survey::stability(options.size, kEvaluations * options.size, tell)) {
     rows.push_back({std::string(r.map), number(r.x), number(r.y), std::string(r.method), std::string(r.outcome),
                     number(r.error), number(r.kappa), number(r.digits_lost)});
   }
@@ -231,9 +231,8 @@ void chart_torqued(const ChartOptions& options) {
                                    subject.name, reference.tolerance_rad, reference.outcome, reference.error_rad,
                                    reference.evaluations));
     if (result.rows.empty()) {
-      std::fprintf(stderr,
-                   "polhode: %s: the reference stopped at %zu torque evaluations, a larger --size goes further\n",
-                   subject.name.c_str(), reference.evaluations);
+      say(fmt::format("{} is left out: its reference did not reach the end within {} torque evaluations", subject.name,
+                      reference.evaluations));
     }
     for (const survey::TorquedRow& r : result.rows) {
       rows.push_back({subject.name, number(subject.span_s), number(turns), r.method, std::string(r.kind),
@@ -245,8 +244,7 @@ void chart_torqued(const ChartOptions& options) {
   }
   tell("");
   if (rows.empty()) {
-    throw CheckFailed(
-        "no table is written: of nothing asked for did the reference reach the end; a larger --size goes further");
+    throw CheckFailed("no table is written, as everything is left out; take a shorter FILE@SPAN or a larger --size");
   }
   make_folder(options.folder);
   const std::string path = options.folder + "/torqued.ecsv";

@@ -58,7 +58,11 @@ void run(const Options& options) {
   const BodyAndHistory first = read_body_and_history(options.first), second = read_body_and_history(options.second);
   const std::optional<AttitudeHistory>&a = first.history, &b = second.history;
   if (!a && !b)
-    throw InputError("neither file is an attitude ephemeris; one must be, its times are those of the comparison");
+    throw InputError(
+        fmt::format("neither {} nor {} is an attitude ephemeris; one must be, its times are those of the comparison",
+                    options.first, options.second));
+  if (a) in_file(options.first, [&] { refuse_overlaps(*a); });
+  if (b) in_file(options.second, [&] { refuse_overlaps(*b); });
   const AttitudeHistory& rows = a ? *a : *b;
   AttitudeDifference d;
   Object other;

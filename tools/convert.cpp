@@ -11,6 +11,7 @@
 #include <string>
 
 #include "dates.hpp"
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/frames/frame.hpp"
@@ -74,9 +75,9 @@ void add_convert_time(CLI::App& app) {
   command->add_flag("--mjd", options->as_mjd, "write the whole day of the MJD and the fraction of that day");
   add_leap_seconds(*command);
   command->callback([options] {
-    const TimeScale to = time_scale(options->to);
+    const TimeScale to = in_option("--to", [&] { return time_scale(options->to); });
     std::optional<TimeScale> from;
-    if (!options->from.empty()) from = time_scale(options->from);
+    if (!options->from.empty()) from = in_option("--from", [&] { return time_scale(options->from); });
     UtcDoubts doubts;
     filter_lines([&](const std::string& line) {
       const auto [instant, written_in] = date_or_now(line, from);
@@ -108,9 +109,10 @@ void add_convert_frame(CLI::App& app) {
   command->add_option("--pole-y", options->earth.pole_y_arcsec, "polar motion, arcsec")->capture_default_str();
   add_leap_seconds(*command);
   command->callback([options] {
-    const Frame from = frame(options->from), to = frame(options->to);
+    const Frame from = in_option("--from", [&] { return frame(options->from); });
+    const Frame to = in_option("--to", [&] { return frame(options->to); });
     std::optional<TimeScale> scale;
-    if (!options->scale.empty()) scale = time_scale(options->scale);
+    if (!options->scale.empty()) scale = in_option("--scale", [&] { return time_scale(options->scale); });
     const EarthOrientation& earth = options->earth;
     const bool earth_given = earth.ut1_minus_utc_s != 0.0 || earth.pole_x_arcsec != 0.0 || earth.pole_y_arcsec != 0.0;
     if ((from == Frame::itrf) != (to == Frame::itrf) && !earth_given) {

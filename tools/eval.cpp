@@ -7,6 +7,7 @@
 #include <memory>
 #include <string>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/motion/planner.hpp"
@@ -30,7 +31,9 @@ struct EvalOptions {
 };
 
 std::unique_ptr<Motion> make_free_motion(const FreeBody& body, const EvalOptions& options) {
-  const rivals::MeasuredMethod& chosen = rivals::measured_method(options.method);
+  const rivals::MeasuredMethod& chosen = in_option(
+      "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
+  if (options.most_evaluations != 0) throw InputError("--max-evaluations is for torques; the case file has none");
   if (options.step_s != 0.0 && !chosen.fixed_step()) {
     throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
   }
@@ -50,14 +53,15 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
                      most_evaluations};
   const auto own = torqued_motion_methods();
   if (std::find(own.begin(), own.end(), how.method) == own.end()) {
-    how.splitting = &rivals::splitting_scheme(options.method);
+    how.splitting = in_option("--method", [&] { return &rivals::splitting_scheme(options.method); });
   }
-  auto motion = std::make_unique<TorquedMotion>(wanted.body, wanted.torques, how);
+  auto motion =
+      in_file(options.case_file, [&] { return std::make_unique<TorquedMotion>(wanted.body, wanted.torques, how); });
   if (motion->outcome() == Outcome::stopped) {
-    throw CheckFailed(
-        fmt::format("stopped: {} s to {} s were reached after {} torque evaluations (method {}); allow more by "
-                    "--max-evaluations, or ask for earlier times or a larger --tolerance",
-                    motion->first_s(), motion->last_s(), motion->torque_evaluations(), motion->method()));
+    throw CheckFailed(fmt::format(
+        "{}: stopped: {} s to {} s were reached after {} torque evaluations (method {}); allow more by "
+        "--max-evaluations, or ask for earlier times or a larger --tolerance",
+        options.case_file, motion->first_s(), motion->last_s(), motion->torque_evaluations(), motion->method()));
   }
   return motion;
 }
@@ -95,9 +99,9 @@ void eval(const EvalOptions& options) {
   write_standard_output({text.data(), text.size()});
   const auto* torqued = dynamic_cast<const TorquedMotion*>(motion.get());
   if (torqued != nullptr && torqued->outcome() != Outcome::done) {
-    throw CheckFailed(fmt::format("{}: the estimated error is {:.1e} rad, {:.1e} rad was asked for (method {})",
-                                  outcome_name(torqued->outcome()), torqued->error_rad(), options.tolerance_rad,
-                                  torqued->method()));
+    throw CheckFailed(fmt::format("{}: {}: the estimated error is {:.1e} rad, {:.1e} rad was asked for (method {})",
+                                  options.case_file, outcome_name(torqued->outcome()), torqued->error_rad(),
+                                  options.tolerance_rad, torqued->method()));
   }
 }
 

@@ -16,4 +16,10 @@ auto in_file(const std::string& file, const Work& work) {
   }
 }
 
+/// The same with an option's name.
+template <class Work>
+auto in_option(const std::string& option, const Work& work) {
+  return in_file(option, work);
+}
+
 }  // namespace polhode::tools

@@ -64,10 +64,12 @@ DateRule date_rule(const PropagateOptions& options, TimeScale rows) {
   return {rows, options.scale_given ? std::optional(rows) : std::nullopt};
 }
 
-/// Runs `work`, and puts the option before an InputError of its own.
-template <class Work>
-auto in_option(const std::string& option, const Work& work) {
-  return in_file(option, work);
+Frame frame_of(const PropagateOptions& options) {
+  return in_option("--frame", [&] { return inertial_frame(options.frame); });
+}
+
+TimeScale scale_of(const PropagateOptions& options) {
+  return in_option("--scale", [&] { return time_scale(options.scale); });
 }
 
 Instant date_of(const char* option, const std::string& text, Instant from, const DateRule& rule, UtcDoubts& doubts) {
@@ -135,7 +137,7 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
 
 /// What the command line leaves open, from the scene.
 void complete(PropagateOptions& options, const Scene& scene) {
-  if (options.frame_given && inertial_frame(options.frame) != scene.frame) {
+  if (options.frame_given && frame_of(options) != scene.frame) {
     throw InputError(fmt::format("--frame is {}, the scene is in another frame; leave --frame away", options.frame));
   }
   if (options.method != "auto") throw InputError("--method is for body files: a scene's method comes from its plan");
@@ -155,24 +157,27 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   if (!options.tolerance.empty()) {
     throw InputError("--tolerance is for bodies: an attitude history is as good as its rows; take --step or --count");
   }
+  if (options.output.momentum) throw InputError("--momentum needs an inertia: it is for bodies");
   if (options.method != "auto") throw InputError("--method is for bodies; an attitude history says how to interpolate");
   if (!options.step.empty() && options.count != 0) throw InputError("one of --step and --count, not both");
   if (history.object.empty()) history.object = std::filesystem::path(options.body_file).stem().string();
-  const TimeScale scale = options.scale_given ? time_scale(options.scale) : history.scale;
-  const std::optional<Frame> out_frame =
-      options.frame_given ? std::optional(inertial_frame(options.frame)) : std::nullopt;
+  const TimeScale scale = options.scale_given ? scale_of(options) : history.scale;
+  const std::optional<Frame> out_frame = options.frame_given ? std::optional(frame_of(options)) : std::nullopt;
   const DateRule rule = date_rule(options, scale);
   UtcDoubts doubts;
   WantedTimes wanted;
   if (!options.step.empty()) wanted.step = step_of(options);
   wanted.count = options.count;
+  const auto resampled = [&] {
+    return in_file(options.body_file, [&] { return resample(history, wanted, scale, out_frame); });
+  };
   std::vector<Ephemeris> segments;
   if (!options.times.empty()) {
     if (!options.starts.empty() || !options.stops.empty() || wanted.step || wanted.count != 0) {
       throw InputError("--times stands alone: without --start, --stop, --step, --count");
     }
     wanted.list = wanted_dates(options.times, rule, doubts);
-    segments = resample(history, wanted, scale, out_frame);
+    segments = resampled();
   }
   const std::size_t spans = std::max<std::size_t>({options.starts.size(), options.stops.size(), 1});
   if (spans > 1 && options.starts.size() != options.stops.size()) {
@@ -186,7 +191,7 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
     if (!options.stops.empty()) {
       wanted.stop = date_of("--stop", options.stops[i], wanted.start.value_or(first), rule, doubts);
     }
-    for (Ephemeris& segment : resample(history, wanted, scale, out_frame)) segments.push_back(std::move(segment));
+    for (Ephemeris& segment : resampled()) segments.push_back(std::move(segment));
   }
   write_watched(options.output, format, segments);
 }
@@ -266,8 +271,9 @@ void propagate(PropagateOptions options) {
   const auto* const scene = std::get_if<Scene>(&input);
   if (scene != nullptr) {
     complete(options, *scene);
-  } else if (options.full) {
-    throw InputError({options.body_file, 0}, "is no scene: --full means something for scenes only");
+  } else if (options.full || options.most_evaluations) {
+    throw InputError({options.body_file, 0}, fmt::format("is no scene: {} means something for scenes only",
+                                                         options.full ? "--full" : "--max-evaluations"));
   }
   BodyAndHistory file =
       scene != nullptr ? BodyAndHistory{scene->body, std::nullopt} : std::get<BodyAndHistory>(std::move(input));
@@ -277,10 +283,14 @@ void propagate(PropagateOptions options) {
     export_history(options, format, *std::move(file.history));
     return;
   }
-  const Frame out_frame = scene ? scene->frame : inertial_frame(options.frame);
-  const TimeScale scale = time_scale(options.scale);
+  if (options.output.momentum && body.any_inertia) {
+    throw InputError({options.body_file, 0}, "has no inertia, and --momentum needs an inertia");
+  }
+  const Frame out_frame = scene ? scene->frame : frame_of(options);
+  const TimeScale scale = scale_of(options);
   const FreeBody free = in_file(options.body_file, [&] { return free_body(body, out_frame); });
-  const Method& chosen = rivals::measured_method(options.method);
+  const Method& chosen = in_option(
+      "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
   PlannedMotion planned;  // of a scene
   if (scene) {
     const Plan plan = in_file(options.body_file, [&] {

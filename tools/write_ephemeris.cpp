@@ -183,7 +183,11 @@ void write_watched(const OutputOptions& options, const EphemerisFormat& format, 
     const StoppedNote note(
         fmt::format("{}polhode: stopped; {} is not written\n", terminal ? "\r\033[K" : "", options.path));
     ProgressLine line(rows);
-    format.write(options, segments, [&line](std::size_t done) { line(done); });
+    try {
+      format.write(options, segments, [&line](std::size_t done) { line(done); });
+    } catch (const TimeScaleError& error) {
+      throw InputError({"--scale", 0}, error.what());
+    }
   }
   say(fmt::format("{}: {} rows", options.path == "-" ? "standard output" : options.path, rows));
 }

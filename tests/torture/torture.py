@@ -170,7 +170,7 @@ def execute(program, run, folder):
 
 def signature(run, problem):
     """The kind of a finding: what is wrong, with which command and kind of file, and the message without its numbers."""
-    last = (run.stderr.splitlines() or [""])[-1] if problem.startswith(("status", "signal")) else ""
+    last = run.stderr.removesuffix("\n").split("\n")[-1] if problem.startswith(("status", "signal")) else ""
     last = re.sub(r"'[^']*'|\S*\.(toml|case|oem|csv|tls|txt|obj|stl|ply|fits|xml|aem|ecsv|mod)\b", "*", last)
     last = re.sub(r"[-+]?\d[\d.]*(e[-+]?\d+)?", "#", last)[:140]
     method = " rk4" if "rk4" in run.command else ""

@@ -28,6 +28,12 @@ class InputError : public std::runtime_error {
       : std::runtime_error(where.text() + ": " + message) {}
 };
 
+/// The rows of a file are asked for in a time scale that its format does not have.
+class TimeScaleError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// A file cannot be read or written (the program's exit status 3).
 class FileError : public std::runtime_error {
  public:

@@ -305,7 +305,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
     PlannedEffect& effect = plan.effects[i];
     effect.kept = full || plan.dropped_rad + bound_rad(i) > ErrorBudget::dropped_of_motion * budget_rad;
     if (!effect.kept) {
-      effect.why = "within what may be dropped, with all that is dropped";
+      effect.why = "negligible, also together with all others that are dropped";
       plan.dropped_rad += bound_rad(i);
     } else if (full) {
       effect.why = "everything was asked for";

@@ -13,6 +13,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/base/located.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/body/inertia.hpp"
 #include "polhode/read/text_file.hpp"
 
 namespace polhode {
@@ -62,7 +63,15 @@ Vector3 principal_moments(const std::array<double, 3>& I, const SourceLocation& 
     throw InputError(
         where, fmt::format("found I = {} {} {}, positive moments in ascending order are wanted", I[0], I[1], I[2]));
   }
-  return {I[0], I[1], I[2]};
+  const Vector3 moments(I[0], I[1], I[2]);
+  located(where, [&] { check_principal_moments(moments); });
+  return moments;
+}
+
+Vector3 angular_momentum(const std::array<double, 3>& m, const SourceLocation& where) {
+  const Vector3 momentum(m[0], m[1], m[2]);
+  located(where, [&] { check_angular_momentum(momentum); });
+  return momentum;
 }
 
 /// The torque of a `T` line, from the words behind the T.
@@ -121,8 +130,7 @@ CaseFile parse_case_file(std::string_view text, const std::string& path) {
     } else if (key == "q") {
       set_once(q, attitude(case_numbers<4>(words, where), where), key, where);
     } else if (key == "m") {
-      const auto m = case_numbers<3>(words, where);
-      set_once(momentum, Vector3(m[0], m[1], m[2]), key, where);
+      set_once(momentum, angular_momentum(case_numbers<3>(words, where), where), key, where);
     } else if (key == "t") {
       result.times_s.push_back(case_numbers<1>(words, where)[0]);
     } else if (key == "T") {

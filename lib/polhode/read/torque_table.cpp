@@ -40,7 +40,7 @@ Vector3 TorqueTable::centre_of_mass(const TriangleMesh& mesh) const {
     throw table_.error("centre_of_mass", fmt::format("this key is missing; it says {}", choices));
   }
   const std::string choice = table_.text("centre_of_mass");
-  const MassProperties solid = mass_properties(mesh);  // refuses a mesh that is open or inside out
+  const MassProperties solid = table_.located("mesh", [&] { return mass_properties(mesh); });  // refuses what is open
   if (choice == "mesh origin") return Vector3::Zero();
   if (choice == "mesh centroid") return solid.centre_of_mass;
   throw table_.error("centre_of_mass", fmt::format("found '{:.40}'; allowed: {}", choice, choices));

@@ -404,7 +404,7 @@ void write_aem(const std::string& path, std::span<const Ephemeris> segments, con
   for (const Ephemeris& ephemeris : segments) {
     const TimeScale scale = ephemeris.times().scale();
     if (scale == TimeScale::et) {
-      throw InputError("CCSDS knows no time scale ET; take TDB, or UTC, TAI, TT, GPS");
+      throw TimeScaleError("CCSDS knows no time scale ET; take TDB, or UTC, TAI, TT, GPS");
     }
   }
   refuse_overlaps(segments);

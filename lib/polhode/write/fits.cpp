@@ -228,12 +228,13 @@ void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resol
 /// FITS has a TIMESYS 'ET', but as a forerunner of TT, which astropy takes it for; astropy cannot read 'GPS'.
 void refuse_misread_scale(TimeScale scale) {
   if (scale == TimeScale::et) {
-    throw InputError(
+    throw TimeScaleError(
         "readers of FITS take the time scale ET for TT, 1.7 ms from SPICE's; take TDB, which is within 0.1 ms of "
         "SPICE's ET, or UTC, TAI, TT");
   }
   if (scale == TimeScale::gps) {
-    throw InputError("readers of FITS do not know the time scale GPS; take TAI, which is GPS + 19 s, or TDB, UTC, TT");
+    throw TimeScaleError(
+        "readers of FITS do not know the time scale GPS; take TAI, which is GPS + 19 s, or TDB, UTC, TT");
   }
 }
 

@@ -80,7 +80,7 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
   const TimeGrid& times = ephemeris.times();
   const std::string scale = lower_case(name(times.scale()));
   if (options.kind == TextTableKind::ecsv && (times.scale() == TimeScale::et || times.scale() == TimeScale::gps)) {
-    throw InputError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(times.scale())));
+    throw TimeScaleError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(times.scale())));
   }
   std::vector<Column> columns{{"date_" + scale, ""}};
   for (const char* component : {"x", "y", "z", "scalar"}) columns.push_back({fmt::format("q_{}", component), ""});

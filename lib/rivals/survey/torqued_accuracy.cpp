@@ -13,7 +13,9 @@ namespace polhode::survey {
 namespace {
 
 constexpr double reference_tolerance_rad = 1e-14;
-constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
+constexpr double runs_of_reference = 100.0,
+                 least_evaluations_of_reference = 1e7;  // at the most; the latter some seconds
+constexpr int loosest = 4, tightest = 32;               // tolerances, in half decades
 constexpr double longest_torqued_step_turns = 1.0, longest_torqued_step_turns_without_kernel = 1.0 / 8.0;
 constexpr double runs_of_torqued_motion = 10.0;  // to choose steps, to tell the error, in long double: at the most
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -163,12 +165,13 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
                                  const Told& told) {
   TorquedAccuracy result;
   if (told) told("reference");
+  const double most_of_reference = std::max(runs_of_reference * most_evaluations, least_evaluations_of_reference);
   const TorquedMotion reference(subject.body, subject.torques,
                                 {.tolerance_rad = reference_tolerance_rad,
                                  .first_s = std::min(0.0, subject.span_s),
                                  .last_s = std::max(0.0, subject.span_s),
                                  .method = "extrapolation",
-                                 .max_torque_evaluations = static_cast<std::size_t>(100.0 * most_evaluations)});
+                                 .max_torque_evaluations = static_cast<std::size_t>(most_of_reference)});
   result.reference = {reference_tolerance_rad, reference.error_rad(), outcome_name(reference.outcome()),
                       reference.torque_evaluations()};
   if (reference.outcome() == Outcome::stopped) return result;
