@@ -13,9 +13,9 @@ namespace polhode::survey {
 namespace {
 
 constexpr double reference_tolerance_rad = 1e-14;
-constexpr double runs_of_reference = 100.0,
-                 least_evaluations_of_reference = 1e7;  // at the most; the latter some seconds
-constexpr int loosest = 4, tightest = 32;               // tolerances, in half decades
+// Most runs' worth of torque evaluations to spend on the reference, and where that is less, some seconds' worth.
+constexpr double runs_of_reference = 100.0, least_evaluations_of_reference = 1e7;
+constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
 constexpr double longest_torqued_step_turns = 1.0, longest_torqued_step_turns_without_kernel = 1.0 / 8.0;
 constexpr double runs_of_torqued_motion = 10.0;  // to choose steps, to tell the error, in long double: at the most
 constexpr double infinity = std::numeric_limits<double>::infinity();
