@@ -315,6 +315,8 @@ def test_messages_about_histories_name_their_file(tmp_path):
     other = ROOT / "data/samples/attitude/spinner.csv"
     for command in (("compare", overlapping, other), ("compare", other, overlapping), ("propagate", overlapping, "-o", tmp_path / "a.aem")):
         assert f"polhode: {overlapping}: segments 1 and 2" in refused(*command)
+    later = propagate(TOUTATIS, tmp_path / "later.aem", "--start", "+3 d", *SPAN)
+    assert f"polhode: {other} and {later}: the two attitudes have no time in common" in refused("compare", other, later)
     unusable = CCSDS / "valid/AEMExample05.txt"
     assert f"polhode: {unusable}: no row of the attitude history" in refused("propagate", unusable, "-o", tmp_path / "b.aem")
     body = CCSDS / "valid/APMExample02.txt"
@@ -328,3 +330,8 @@ def test_a_mesh_that_is_no_surface_is_traced_to_the_line_of_the_scene(tmp_path):
     (tmp_path / "open.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
     path, line = scene(tmp_path, "[[torque]]", '[[torque]]\nkind = "sunlight"\nmesh = "open.obj"\n' + facets + "[[torque]]")
     assert f"{path}:{line + 2}: torque.mesh: 3 facets" in refused("plan", path)
+
+
+def test_a_scene_too_short_for_its_rows_is_named(tmp_path):
+    path, _ = scene(tmp_path, 'after = "30 d"', 'after = "1e-154 s"')
+    assert f"polhode: {path}: stop is not after start" in refused("propagate", path, "-o", tmp_path / "a.csv", "--count", "3")

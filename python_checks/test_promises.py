@@ -1,5 +1,7 @@
 """What a file says ran, and what it promises, against what is true."""
 
+import re
+
 import numpy as np
 import pytest
 from astropy.io import fits
@@ -88,6 +90,9 @@ def test_what_ran_under_torques_is_what_the_file_says(tmp_path):
     assert planned["METHOD"] == "splitting, few kicks per turn"
     assert_within(angle_rad(q_planned, q_full), planned["MAXERR"] + full["MAXERR"])
     assert planned["TORQEVAL"] < full["TORQEVAL"]
+    for options, used in (["--full"], full["TORQEVAL"]), ([], planned["TORQEVAL"]):
+        predicted = re.search(r"about (\S+) torque evaluations", run("plan", path, *options).stdout)
+        assert predicted is None or used / 2 < float(predicted[1]) < used * 2
 
 
 @pytest.mark.parametrize("accuracy", ["1e-17 rad", "1e-14 rad"])

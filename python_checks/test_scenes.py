@@ -1,5 +1,8 @@
 """Scenes: what plan says, and propagate against an integration of the equations of motion that is not ours."""
 
+import re
+import resource
+
 import astropy.units as u
 import numpy as np
 import pytest
@@ -147,3 +150,74 @@ def test_toutatis_keeps_what_its_body_says_of_the_periods():
     text = run("plan", SCENES / "toutatis-1992-2008.toml").stdout
     assert "known to 0.001 of themselves (one sigma)" in text
     assert "what is asked for lies beyond that, up to 16 years from the epoch" in text
+
+
+def changed(folder, name, *changes):
+    """A scene with its files' absolute paths, and regular expressions replaced in it."""
+    text = (SCENES / f"{name}.toml").read_text()
+    for old, new in [(r'(body|trajectory) = "', rf'\1 = "{SCENES}/'), (r"period_uncertainty = .*\n", ""), *changes]:
+        text, found = re.subn(old, new, text)
+        assert found or old.startswith("period")
+    path = folder / f"{name}.toml"
+    path.write_text(text)
+    return path
+
+
+@pytest.mark.parametrize(
+    "old, new, message",
+    [
+        ("periapsis_m = 3.*", "periapsis_m = 5e-324", "orbit.earth.periapsis_m: "),
+        ("to_periapsis = .-0.5.*", "to_periapsis = [0, 0, 0]", "orbit.earth.to_periapsis: the direction of periapsis is (0, 0, 0)"),
+        ("mu_m3_s2 = 3.*", "mu_m3_s2 = nan", "orbit.earth.mu_m3_s2: "),
+    ],
+)
+def test_what_bounds_an_effect_by_no_number_is_refused(tmp_path, old, new, message):
+    scene = changed(tmp_path, "apophis-2029", (old, new))
+    for command in (["plan", scene], ["propagate", scene, "-o", tmp_path / "a.fits", "--count", "2"]):
+        result = run(*command, check=False)
+        assert result.returncode == 2 and message in result.stderr and f"{scene}:" in result.stderr
+    assert not (tmp_path / "a.fits").exists()
+
+
+@pytest.mark.parametrize("place, message", [("1e308", "holds a number that is not finite"), ("0", "is where the mass is")])
+def test_a_trajectory_through_no_place_is_refused(tmp_path, place, message):
+    lines = (SCENES / "trajectories/toutatis-earth.oem").read_text().splitlines()
+    rows = [i for i, line in enumerate(lines) if re.match(r"\d{4}-", line)]
+    for i in rows[4:5] if place == "1e308" else rows:
+        words = lines[i].split()
+        lines[i] = " ".join([words[0], place, *([place] * 2 if place == "0" else words[2:4]), *words[4:]])
+    (tmp_path / "earth.oem").write_text("\n".join(lines) + "\n")
+    body = re.sub(r"period_uncertainty = .*\n", "", (ROOT / "data/bodies/toutatis.toml").read_text())
+    (tmp_path / "toutatis.toml").write_text(body)
+    places = [(r'body = ".*"', f'body = "{tmp_path}/toutatis.toml"'), (r'"[^"]*toutatis-earth.oem"', f'"{tmp_path}/earth.oem"')]
+    result = run("plan", changed(tmp_path, "toutatis-1992-2008", *places), check=False)
+    assert result.returncode == 2 and f"{tmp_path}/earth.oem:" in result.stderr and message in result.stderr
+
+
+@pytest.mark.parametrize(
+    "name, old, new",
+    [
+        ("apophis-2029", "periapsis_m = 3.*", "periapsis_m = 1e3"),
+        ("apophis-2029", "eccentricity = 4.*", "eccentricity = 1e100"),
+        ("apophis-2029", "mu_m3_s2 = 3.*", "mu_m3_s2 = 1e300"),
+        ("relaxing", "after = .*", 'after = "1e9 d"'),
+        ("relaxing", "after = .*", 'after = "1e10 d"'),
+    ],
+)
+def test_plan_ends_within_seconds(tmp_path, name, old, new):
+    scene = changed(tmp_path, name, (old, new))
+    limit = lambda: resource.setrlimit(resource.RLIMIT_CPU, (5, 5))
+    result = run("plan", scene, check=False, preexec_fn=limit)
+    assert result.returncode in (0, 2) and str(scene) in (result.stderr or str(scene))
+
+
+def test_a_mesh_must_say_where_the_centre_of_mass_is(tmp_path):
+    sunlight = (
+        f'[[torque]]\nkind = "sunlight"\nmesh = "{ROOT}/data/samples/mesh/box.obj"\nunit_m = 1.0\nspecular = 0.3\n'
+        'diffuse = 0.2\norbit = "earth"\n{}[[torque]]'
+    )
+    for key, status in [("", 2), ('centre_of_mass = "mesh origin"\n', 0)]:
+        scene = changed(tmp_path, "envisat-month", (r"(?s)\[\[torque\]\].*", sunlight.replace("{}[[torque]]", key)))
+        result = run("plan", scene, check=False)
+        assert result.returncode == status, result.stderr
+        assert "centre_of_mass: this key is missing" in result.stderr or status == 0

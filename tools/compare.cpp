@@ -64,16 +64,17 @@ void run(const Options& options) {
   if (a) in_file(options.first, [&] { refuse_overlaps(*a); });
   if (b) in_file(options.second, [&] { refuse_overlaps(*b); });
   const AttitudeHistory& rows = a ? *a : *b;
+  const std::string both = fmt::format("{} and {}", options.first, options.second);
   AttitudeDifference d;
   Object other;
   if (a && b) {
     other = {b->object, b->object_id};
-    d = compare(*a, *b);
+    d = in_file(both, [&] { return compare(*a, *b); });
   } else {
-    const std::string& path = a ? options.second : options.first;
     const Body& body = (a ? second : first).body;
     other = {body.name, body.id};
-    d = compare(rows, motion_of(path, body));
+    const auto motion = motion_of(a ? options.second : options.first, body);
+    d = in_file(both, [&] { return compare(rows, motion); });
   }
   warn_of_two_objects({rows.object, rows.object_id}, other);
   const std::string where = format_date(d.time_of_largest, rows.scale, 6);

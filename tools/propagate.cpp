@@ -125,12 +125,12 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
     const Instant stop = one_row        ? start
                          : to_scene_end ? wanted_date(options.scene_end, epoch, rule, doubts)
                                         : date_of("--stop", options.stops[i], start, rule, doubts);
-    if (!options.step.empty()) {
-      grids.push_back(TimeGrid::with_step(start, stop, step_of(options), scale));
-    } else {
+    const auto grid = [&] {
+      if (!options.step.empty()) return TimeGrid::with_step(start, stop, step_of(options), scale);
       const std::size_t count = options.count != 0 ? options.count : rows_for_tolerance(start, stop);
-      grids.push_back(TimeGrid::with_count(start, stop, count, scale));
-    }
+      return TimeGrid::with_count(start, stop, count, scale);
+    };
+    grids.push_back(options.scene_end.empty() ? grid() : in_file(options.body_file, grid));
   }
   return grids;
 }
