@@ -43,13 +43,7 @@ void check_lengths(const TimeArrays& times) {
 void Motion::batch(const TimeArrays& times, const StateArrays& out) const {
   check_lengths(times);
   for (std::size_t i = 0; i < times.high.size(); ++i) {
-    const State s = at(times.high[i], times.low.empty() ? 0.0 : times.low[i]);
-    const Eigen::Vector4d q = scalar_first(s.q_inertial_from_body);
-    const auto row = static_cast<std::ptrdiff_t>(i);
-    for (int k = 0; k < 4; ++k) out.q[k][row * out.q_stride] = q[k];
-    if (out.m[0] != nullptr) {
-      for (int k = 0; k < 3; ++k) out.m[k][row * out.m_stride] = s.momentum_body[k];
-    }
+    out.put(i, at(times.high[i], times.low.empty() ? 0.0 : times.low[i]));
   }
 }
 

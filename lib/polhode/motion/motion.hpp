@@ -32,6 +32,10 @@ const FreeBody& checked(const FreeBody& body);
 /// Throws InputError unless the span of a motion is finite and holds t = 0.
 void check_span(double first_s, double last_s);
 
+/// How far beyond a span its motion answers: rows evenly spaced in one time scale end up to 3.4 ms beyond a span that
+/// was given in another (TDB swings about TT), and the motion goes on well enough for that long.
+constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s : 5e-3; }
+
 /// Attitude and angular momentum at one instant.
 struct State {
   Quaternion q_inertial_from_body;  ///< unit to 2 eps, sign continuous in time
@@ -66,6 +70,14 @@ struct StateArrays {
   std::ptrdiff_t q_stride = 4;
   double* m[3] = {};
   std::ptrdiff_t m_stride = 3;
+
+  void put(std::size_t i, const State& state) const {
+    const Eigen::Vector4d scalar_first_q = scalar_first(state.q_inertial_from_body);
+    const auto row = static_cast<std::ptrdiff_t>(i);
+    for (int k = 0; k < 4; ++k) q[k][row * q_stride] = scalar_first_q[k];
+    if (m[0] == nullptr) return;
+    for (int k = 0; k < 3; ++k) m[k][row * m_stride] = state.momentum_body[k];
+  }
 
   /// Row-major n x 4 (scalar first) and n x 3; `m` may be null.
   static StateArrays of_structures(double* q, double* m) {

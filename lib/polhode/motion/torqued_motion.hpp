@@ -46,10 +46,6 @@ std::span<const std::string_view> torqued_motion_methods();
 /// with long double.
 double rounding_of_doubles_rad(double phase_rad);
 
-/// How far beyond a span its motion answers: rows evenly spaced in one time scale end up to 3.4 ms beyond a span that
-/// was given in another (TDB swings about TT), and the motion goes on well enough for that long.
-constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s : 5e-3; }
-
 /// The motion of a rigid body under torques, from t = 0 both ways, computed once and answered at any time.
 ///
 /// Steps are chosen by an estimate of their error, weighted by how a change of momentum grows until the end: by the

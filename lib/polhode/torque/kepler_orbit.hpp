@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 
@@ -48,6 +49,8 @@ class KeplerOrbit {
   OrbitState<Real> state(Real t_s) const;
 
   const KeplerElements& elements() const { return elements_; }
+  /// Unit vectors towards periapsis, and a right angle ahead in the orbit.
+  std::array<Vector3Of<long double>, 2> axes() const { return {extended_.x, extended_.y}; }
 
  private:
   template <class Real>

@@ -62,6 +62,11 @@ class Trajectory {
   }
   /// The same orbit, not only one like it.
   bool operator==(const Trajectory&) const = default;
+  /// Null for a table.
+  const KeplerOrbit* orbit() const {
+    const auto* orbit = std::get_if<0>(&orbit_);
+    return orbit == nullptr ? nullptr : orbit->get();
+  }
   /// Null for a Kepler orbit.
   const TabulatedOrbit* table() const {
     const auto* table = std::get_if<1>(&orbit_);

@@ -1,0 +1,395 @@
+#include "polhode/motion/series_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <string_view>
+
+#include "polhode/base/error.hpp"
+#include "polhode/motion/theta.hpp"
+
+namespace polhode {
+namespace taylor {
+
+extern const Kernel k_kernel_baseline;
+#ifdef POLHODE_X86_TARGETS
+extern const Kernel k_kernel_avx2;
+extern const Kernel k_kernel_avx512;
+#endif
+
+const Kernel& best_kernel() {
+#ifdef POLHODE_X86_TARGETS
+  const std::string_view name = ThetaMotion::best_target().name;
+  if (name == k_kernel_avx2.name) return k_kernel_avx2;
+  if (name == k_kernel_avx512.name) return k_kernel_avx512;
+#endif
+  return k_kernel_baseline;
+}
+
+void exact_orbit(const Problem& problem, double t_high, double t_low, long double (&state)[3]) {
+  const Problem::Orbit& o = problem.orbit;
+  const long double t_s = (static_cast<long double>(t_high) + t_low) * problem.unit_s;
+  const Vector3Of<long double> place = o.orbit->state(t_s).position_m;
+  const auto axes = o.orbit->axes();
+  const long double distance = place.norm();
+  state[0] = place.dot(axes[0]) / distance;
+  state[1] = place.dot(axes[1]) / distance;
+  state[2] = std::sqrt(o.parameter_m / distance);
+}
+
+}  // namespace taylor
+
+namespace {
+
+using Extended = long double;
+using ExtendedQuaternion = Eigen::Quaternion<Extended>;
+
+/// How steps are chosen, found on the torqued bodies of data/truth and on 2000 random ones.
+struct SteppingTuning {
+  static constexpr double order_per_digit = 0.62;  // of the natural logarithm of the local error
+  static constexpr int least_order = 8;
+  static constexpr int at_once = 16;               // steps between looks at the error
+  static constexpr double safety = 4.0;            // the error claimed, of the difference carried along
+  static constexpr double aim = 0.25;              // of the tolerance, at the end
+  static constexpr int most_runs = 6;
+};
+
+int order_for(double local_error) {
+  return std::clamp(static_cast<int>(std::lround(-SteppingTuning::order_per_digit * std::log(local_error))),
+                    SteppingTuning::least_order, taylor::kMostOrder);
+}
+
+/// Of the torques that a run is made for.
+struct Parts {
+  const GravityGradient* pull = nullptr;
+  Vector3 constant = Vector3::Zero();
+  Matrix3 damping = Matrix3::Zero();
+};
+
+std::optional<Parts> parts_of(const Torques& torques) {
+  Parts parts;
+  for (const Torque& torque : torques.list()) {
+    if (const auto* pull = std::get_if<GravityGradient>(&torque)) {
+      if (parts.pull != nullptr || pull->trajectory.orbit() == nullptr) return std::nullopt;
+      parts.pull = pull;
+    } else if (const auto* constant = std::get_if<ConstantTorque>(&torque)) {
+      if (constant->axes != ConstantTorque::Axes::body) return std::nullopt;
+      parts.constant += constant->torque;
+    } else if (const auto* damping = std::get_if<LinearDamping>(&torque)) {
+      parts.damping += damping->coefficients;
+    } else if (!std::holds_alternative<ThrusterPulse>(torque)) {
+      return std::nullopt;
+    }
+  }
+  return parts;
+}
+
+/// A step that is not taken, of a span without length.
+taylor::StepStart start_of_step(const taylor::Front& front, int order) {
+  taylor::StepStart start{front.t_high, front.t_low, {}, {}, order};
+  for (int k = 0; k < taylor::kMostVectors; ++k) std::copy_n(front.high[k], 3, start.state[k]);
+  for (int i = 0; i < 3; ++i) start.orbit[i] = static_cast<double>(front.orbit[i]);
+  return start;
+}
+
+/// The fixed axes: of the orbit, if there is one.
+Matrix3Of<Extended> fixed_axes(const Torques& torques) {
+  const std::optional<Parts> parts = parts_of(torques);
+  if (parts->pull == nullptr) return Matrix3Of<Extended>::Identity();
+  const auto [x, y] = parts->pull->trajectory.orbit()->axes();
+  Matrix3Of<Extended> axes;
+  axes << x, y, x.cross(y);
+  return axes;
+}
+
+taylor::Problem problem_of(const Vector3& I, const Torques& torques, double unit_s) {
+  const Parts parts = parts_of(torques).value();
+  taylor::Problem problem;
+  problem.unit_s = unit_s;
+  for (int i = 0; i < 3; ++i) {
+    const Extended a = I[(i + 1) % 3], b = I[(i + 2) % 3], c = I[i];
+    problem.euler_weights[i] = (a - b) / c;
+    problem.constant[i] = parts.constant[i] / c * unit_s * unit_s;
+    for (int k = 0; k < 3; ++k) problem.damping[k][i] = -parts.damping(i, k) / c * unit_s;
+  }
+  const bool damped = !parts.damping.isZero(0.0);
+  problem.kinds = damped ? 1 : 0;
+  if (parts.pull == nullptr) return problem;
+  const KeplerOrbit& orbit = *parts.pull->trajectory.orbit();
+  const KeplerElements& elements = orbit.elements();
+  taylor::Problem::Orbit& o = problem.orbit;
+  o.orbit = &orbit;
+  o.eccentricity = elements.eccentricity;
+  o.parameter_m = elements.periapsis_m * (Extended(1) + elements.eccentricity);
+  o.rate = std::sqrt(parts.pull->mu_m3_s2 / o.parameter_m) / o.parameter_m * unit_s;
+  problem.kinds += 2;
+  return problem;
+}
+
+/// A power of two, in which the body turns by about one.
+double unit_of_time_s(const FreeBody& body, const Torques& torques, double span_s) {
+  double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
+  for (const Torque& torque : torques.list()) {
+    const double largest = std::visit(
+        [&](const auto& one) { return one.largest(0.0, body.principal_moments, body.momentum_body.norm()); }, torque);
+    rate = std::max(rate, std::sqrt(largest / body.principal_moments[0]));
+  }
+  if (!(rate > 0.0)) rate = span_s > 0.0 ? 1.0 / span_s : 1.0;
+  return std::exp2(std::round(-std::log2(rate)));
+}
+
+/// From two of the fixed axes seen from the body: unit to a few roundings.
+Quaternion attitude(const Quaternion& inertial_from_fixed, const double* first, const double* second) {
+  double a[3], b[3], c[3];
+  const double shrink = 1.0 / std::sqrt(first[0] * first[0] + first[1] * first[1] + first[2] * first[2]);
+  for (int i = 0; i < 3; ++i) a[i] = first[i] * shrink;
+  const double along = a[0] * second[0] + a[1] * second[1] + a[2] * second[2];
+  for (int i = 0; i < 3; ++i) b[i] = second[i] - along * a[i];
+  const double stretch = 1.0 / std::sqrt(b[0] * b[0] + b[1] * b[1] + b[2] * b[2]);
+  for (int i = 0; i < 3; ++i) b[i] *= stretch;
+  for (int i = 0; i < 3; ++i) c[i] = a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3];
+  // The rows a, b, c are the matrix that takes vectors of the body to the fixed axes; Shepperd's method.
+  const double t[4] = {a[0] + b[1] + c[2], a[0] - b[1] - c[2], b[1] - a[0] - c[2], c[2] - a[0] - b[1]};
+  const auto largest = static_cast<std::size_t>(std::max_element(t, t + 4) - t);
+  const double w = std::sqrt(1.0 + t[largest]), half = 0.5 / w;
+  const double x = (c[1] - b[2]) * half, y = (a[2] - c[0]) * half, z = (b[0] - a[1]) * half;
+  const double xy = (a[1] + b[0]) * half, yz = (b[2] + c[1]) * half, zx = (c[0] + a[2]) * half;
+  const double q[4][4] = {{0.5 * w, x, y, z}, {x, 0.5 * w, xy, zx}, {y, xy, 0.5 * w, yz}, {z, zx, yz, 0.5 * w}};
+  return inertial_from_fixed * from_scalar_first(Eigen::Map<const Eigen::Vector4d>(q[largest]));
+}
+
+}  // namespace
+
+/// One direction after the other; what both share.
+class SeriesMotion::Builder {
+ public:
+  Builder(const FreeBody& body, const Torques& torques, const Options& options, std::size_t most)
+      : body_(body),
+        options_(options),
+        axes_(fixed_axes(torques)),
+        unit_s_(unit_of_time_s(body, torques, options.last_s - options.first_s)),
+        left_(most) {
+    const double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
+    phase_rad_ = rate * std::max(options.last_s, -options.first_s);
+    for (const bool forward : {true, false}) {
+      const double end_s = forward ? options.last_s : options.first_s;
+      std::vector<double> ends;
+      for (const double jump_s : torques.jumps_s()) {
+        if (jump_s != 0.0 && (jump_s > 0.0) == forward && std::abs(jump_s) < std::abs(end_s)) ends.push_back(jump_s);
+      }
+      ends.push_back(end_s);
+      std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+      double from_s = 0.0;
+      for (const double to_s : ends) {
+        Leg leg{{}, torques.during(0.5 * (from_s + to_s)), Quaternion(ExtendedQuaternion(axes_).cast<double>()), {}, to_s};
+        leg.problem = problem_of(body.principal_moments, leg.torques, unit_s_);
+        (forward ? forward_ : backward_).push_back(std::move(leg));
+        from_s = to_s;
+      }
+    }
+  }
+
+  double first_local_error() const { return 0.1 * options_.tolerance_rad / (1.0 + phase_rad_); }
+
+  /// False if the limit of coefficients ended it.
+  bool run(double local_error, double most_local_error, bool precise, std::vector<Leg>& legs, bool is_forward) {
+    legs = is_forward ? forward_ : backward_;
+    taylor::Front front = start();
+    const double end = legs.back().end_s / unit_s_;
+    for (std::size_t l = 0; l < legs.size(); ++l) {
+      Leg& leg = legs[l];
+      front.until_exact_orbit = 0;
+      front.longest = std::numeric_limits<double>::max();
+      const double leg_end = leg.end_s / unit_s_;
+      while (front.t_high != leg_end) {
+        const taylor::Stepping stepping{leg_end, local_error, order_for(local_error), precise};
+        const auto order = static_cast<std::size_t>(stepping.order);
+        if (left_ < order * SteppingTuning::at_once) {
+          legs.resize(l + 1);
+          leg.end_s = front.t_high * unit_s_;
+          if (leg.steps.empty()) leg.steps.push_back(start_of_step(front, order_for(local_error)));
+          return false;
+        }
+        const std::size_t before = leg.steps.size();
+        leg.steps.resize(before + SteppingTuning::at_once);
+        const int taken = kernel_.advance(leg.problem, stepping, SteppingTuning::at_once, front, &leg.steps[before]);
+        leg.steps.resize(before + static_cast<std::size_t>(taken));
+        left_ -= order * static_cast<std::size_t>(taken);
+        coefficients_ += order * static_cast<std::size_t>(taken);
+        largest_local_error_ = std::max(largest_local_error_, local_error);
+        local_error = std::min(most_local_error, next_local_error(local_error, front, end));
+      }
+      if (leg.steps.empty()) leg.steps.push_back(start_of_step(front, order_for(local_error)));
+    }
+    worst_rad_ = std::max(worst_rad_, front.worst_rad);
+    return true;
+  }
+
+  double worst_rad() const { return worst_rad_; }
+  /// Since forget().
+  double largest_local_error() const { return largest_local_error_; }
+  void forget() { worst_rad_ = largest_local_error_ = 0.0; }
+  std::size_t coefficients() const { return coefficients_; }
+  double phase_rad() const { return phase_rad_; }
+
+ private:
+  taylor::Front start() const {
+    taylor::Front front;
+    const ExtendedQuaternion q = body_.q_inertial_from_body.cast<Extended>().normalized();
+    Vector3Of<Extended> vectors[3];
+    vectors[0] = body_.momentum_body.cast<Extended>().cwiseQuotient(body_.principal_moments.cast<Extended>()) *
+                 static_cast<Extended>(unit_s_);
+    for (int k = 0; k < 2; ++k) vectors[1 + k] = q.conjugate() * Vector3Of<Extended>(axes_.col(k));
+    for (int k = 0; k < 3; ++k) {
+      for (int i = 0; i < 3; ++i) {
+        front.high[k][i] = static_cast<double>(vectors[k][i]);
+        front.low[k][i] = static_cast<double>(vectors[k][i] - front.high[k][i]);
+      }
+    }
+    return front;
+  }
+
+  /// What the difference will have become at the end, if the steps leave out as much as so far, and what they left out
+  /// of the rate goes on turning the body: from that, how much they may leave out.
+  double next_local_error(double local_error, const taylor::Front& front, double end) const {
+    const double gone = std::abs(front.t_high), left = std::abs(end - front.t_high);
+    // Of the rate's error, what changes energy and angular momentum counts: the rest swings.
+    const Vector3 rate = Eigen::Map<const Vector3>(front.rate_error), I = body_.principal_moments;
+    const Vector3 momentum = Eigen::Map<const Vector3>(front.high[0]).cwiseProduct(I);
+    const double secular = std::abs(rate.dot(momentum.stableNormalized())) +
+                           std::abs(rate.dot(momentum.cwiseProduct(I).stableNormalized()));
+    const double expected = Eigen::Map<const Vector3>(front.turn_error_rad).norm() +
+                            secular * left * (1.0 + 0.5 * left / gone);
+    const double aim = SteppingTuning::aim * options_.tolerance_rad / SteppingTuning::safety;
+    const double factor = std::clamp(std::sqrt(aim / expected), 0.25, 2.0);
+    return std::clamp(local_error * factor, 1e-19, 0.1 * options_.tolerance_rad);
+  }
+
+  const FreeBody& body_;
+  const Options& options_;
+  Matrix3Of<Extended> axes_;
+  double unit_s_, phase_rad_ = 0.0;
+  std::vector<Leg> forward_, backward_;  // without steps
+  const taylor::Kernel& kernel_ = taylor::best_kernel();
+  std::size_t left_, coefficients_ = 0;
+  double worst_rad_ = 0.0, largest_local_error_ = 0.0;
+};
+
+bool SeriesMotion::serves(const Torques& torques) { return parts_of(torques).has_value(); }
+
+SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options)
+    : moments_(body.principal_moments) {
+  Builder builder(body, torques, options, options.most_coefficients);
+  double local_error = builder.first_local_error(), most_local_error = options.tolerance_rad;
+  bool precise = 2e-16 * std::sqrt(builder.phase_rad()) * (1.0 + builder.phase_rad()) > options.tolerance_rad;
+  for (int run = 0; run < SteppingTuning::most_runs; ++run) {
+    const std::size_t before = builder.coefficients();
+    builder.forget();
+    whole_ = builder.run(local_error, most_local_error, precise, forward_, true);
+    whole_ = builder.run(local_error, most_local_error, precise, backward_, false) && whole_;
+    kept_coefficients_ = builder.coefficients() - before;
+    error_rad_ = SteppingTuning::safety * builder.worst_rad();
+    if (!whole_ || error_rad_ <= options.tolerance_rad) break;
+    most_local_error = local_error = 0.1 * builder.largest_local_error() * options.tolerance_rad / error_rad_;
+    if (local_error < 1e-17) precise = true;
+  }
+  coefficients_ = builder.coefficients();
+  first_s_ = backward_.back().end_s;
+  last_s_ = forward_.back().end_s;
+  for (std::vector<Leg>* legs : {&forward_, &backward_}) {
+    Quaternion before = body.q_inertial_from_body;
+    for (Leg& leg : *legs) {
+      for (taylor::StepStart& start : leg.steps) {
+        const Quaternion q = attitude(leg.inertial_from_fixed, start.state[1], start.state[2]);
+        start.sign = q.dot(before) < 0.0 ? -1 : 1;
+        before.coeffs() = start.sign * q.coeffs();
+      }
+    }
+  }
+}
+
+std::size_t SeriesMotion::steps() const {
+  std::size_t count = 0;
+  for (const std::vector<Leg>* legs : {&forward_, &backward_}) {
+    for (const Leg& leg : *legs) count += leg.steps.size();
+  }
+  return count;
+}
+
+/// The state of one step as series.
+struct SeriesMotion::Series {
+  Place place;
+  Quaternion q_at_start;
+  double coefficients[taylor::kMostOrder + 1][taylor::kMostVectors][4];
+};
+
+SeriesMotion::Place SeriesMotion::place(double t_s) const {
+  const double room_s = end_room_s(last_s_ - first_s_);
+  if (!(t_s >= first_s_ - room_s && t_s <= last_s_ + room_s)) {
+    throw InputError(
+        fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_, last_s_, t_s));
+  }
+  // Beyond an end at t = 0 the other way's motion goes on.
+  const bool is_forward = t_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
+  const std::vector<Leg>& legs = is_forward ? forward_ : backward_;
+  const double away_s = std::abs(t_s);
+  const Leg& leg = *std::find_if(legs.begin(), legs.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.end_s); });
+  const double away = away_s / leg.problem.unit_s;
+  const auto after =
+      std::upper_bound(leg.steps.begin(), leg.steps.end(), away,
+                       [](double t, const taylor::StepStart& start) { return t < std::abs(start.t_high); });
+  return {&leg, static_cast<std::size_t>(after == leg.steps.begin() ? 0 : after - leg.steps.begin() - 1)};
+}
+
+void SeriesMotion::expand(const Place& place, Series& series) const {
+  const Leg& leg = *place.leg;
+  const taylor::StepStart& start = leg.steps[place.step];
+  const double end =
+      place.step + 1 < leg.steps.size() ? leg.steps[place.step + 1].t_high : leg.end_s / leg.problem.unit_s;
+  series.place = place;
+  series.q_at_start = attitude(leg.inertial_from_fixed, start.state[1], start.state[2]);
+  series.q_at_start.coeffs() *= start.sign;
+  taylor::best_kernel().coefficients(leg.problem, start, start.order, std::abs(end - start.t_high),
+                                     series.coefficients);
+}
+
+State SeriesMotion::state(const Series& series, double t_high_s, double t_low_s) const {
+  const Leg& leg = *series.place.leg;
+  const taylor::StepStart& start = leg.steps[series.place.step];
+  const double unit_s = leg.problem.unit_s;
+  const double t = (t_high_s / unit_s - start.t_high) + (t_low_s / unit_s - start.t_low);
+  double vectors[3][4];
+  taylor::best_kernel().evaluate(series.coefficients, start.order, 3, t, vectors);
+  State state;
+  state.q_inertial_from_body = attitude(leg.inertial_from_fixed, vectors[1], vectors[2]).normalized();
+  if (state.q_inertial_from_body.dot(series.q_at_start) < 0.0) state.q_inertial_from_body.coeffs() *= -1.0;
+  for (int i = 0; i < 3; ++i) state.momentum_body[i] = moments_[i] * vectors[0][i] / unit_s;
+  return state;
+}
+
+State SeriesMotion::at(double t_high_s, double t_low_s) const {
+  if (std::isnan(t_high_s + t_low_s)) return nan_state();
+  Series series;
+  expand(place(t_high_s), series);
+  return state(series, t_high_s, t_low_s);
+}
+
+void SeriesMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+  check_lengths(times);
+  Series series;
+  for (std::size_t i = 0; i < times.high.size(); ++i) {
+    const double t_high_s = times.high[i], t_low_s = times.low.empty() ? 0.0 : times.low[i];
+    State at_i = nan_state();
+    if (!std::isnan(t_high_s + t_low_s)) {
+      const Place here = place(t_high_s);
+      if (series.place.leg != here.leg || series.place.step != here.step) expand(here, series);
+      at_i = state(series, t_high_s, t_low_s);
+    }
+    out.put(i, at_i);
+  }
+}
+
+}  // namespace polhode

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "polhode/motion/motion.hpp"
+#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/torque/torques.hpp"
+
+namespace polhode {
+
+/// The motion of a rigid body under torques that have power series, by steps of these series (taylor.md), from t = 0
+/// both ways. Every step carries along, to first order, how far the run is from the motion: what earlier steps left
+/// out of their series, and their roundings. error_rad() is that distance, at its largest, times a safety factor.
+class SeriesMotion final : public Motion {
+ public:
+  /// Whether it serves for these torques.
+  static bool serves(const Torques& torques);
+
+  struct Options {
+    double tolerance_rad = 1e-9;  ///< wanted
+    double first_s = 0.0, last_s = 0.0;
+    std::size_t most_coefficients = 100'000'000;  ///< of series, of all runs together
+  };
+  /// Torques in principal axes.
+  SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options);
+
+  State at(double t_high_s, double t_low_s = 0.0) const override;
+  void batch(const TimeArrays& times, const StateArrays& out) const override;
+
+  bool whole() const { return whole_; }  ///< false: the limit of coefficients ended it
+  double error_rad() const { return error_rad_; }
+  double first_s() const { return first_s_; }  ///< reached
+  double last_s() const { return last_s_; }
+  std::size_t steps() const;
+  std::size_t coefficients() const { return coefficients_; }            ///< of all runs
+  std::size_t kept_coefficients() const { return kept_coefficients_; }  ///< of the run that is kept
+
+ private:
+  /// Between two jumps of the torques, away from t = 0.
+  struct Leg {
+    taylor::Problem problem;
+    Torques torques;  // whose orbits the problem points to
+    Quaternion inertial_from_fixed;  // of the fixed axes
+    std::vector<taylor::StepStart> steps;
+    double end_s = 0.0;
+  };
+  struct Place {
+    const Leg* leg = nullptr;
+    std::size_t step = 0;
+  };
+  struct Series;
+  class Builder;
+  Place place(double t_s) const;
+  void expand(const Place& place, Series& series) const;
+  State state(const Series& series, double t_high_s, double t_low_s) const;
+
+  Vector3 moments_;
+  std::vector<Leg> forward_, backward_;
+  double first_s_ = 0.0, last_s_ = 0.0;
+  bool whole_ = true;
+  double error_rad_ = 0.0;
+  std::size_t coefficients_ = 0, kept_coefficients_ = 0;
+};
+
+}  // namespace polhode

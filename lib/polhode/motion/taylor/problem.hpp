@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+
+namespace polhode {
+class KeplerOrbit;
+}
+
+namespace polhode::taylor {
+
+inline constexpr int kMostOrder = 36;
+inline constexpr int kMostVectors = 4;  ///< of a state: the rate, and two or three fixed axes seen from the body
+
+/// A number as a sum of two.
+struct TwoParts {
+  double high = 0.0, low = 0.0;
+  explicit operator double() const { return high; }
+};
+
+/// The body and its torques in numbers. The unit of time is `unit_s`, a power of two; x, y, z are the principal axes.
+struct Problem {
+  double unit_s = 1.0;
+  long double euler_weights[3];      ///< (I2 - I3)/I1, ...
+  long double constant[3] = {};      ///< the torque that keeps its components, over the moments
+  long double damping[3][3] = {};    ///< [column][row] of -D, over the moments
+
+  /// The only point mass, and the orbit about it.
+  struct Orbit {
+    const KeplerOrbit* orbit = nullptr;
+    double eccentricity = 0.0;
+    long double parameter_m = 0.0;
+    long double rate = 0.0;  ///< sqrt(mu/parameter^3)
+  } orbit;
+
+  /// Which torques there are: the entry of kTable in target.hpp.
+  int kinds = 0;
+};
+
+/// Where a run has come to.
+struct Front {
+  double high[kMostVectors][4] = {}, low[kMostVectors][4] = {};
+  /// How far the run is from the motion, to first order: what the steps and their roundings left out, carried along.
+  double rate_error[4] = {}, turn_error_rad[4] = {};
+  double t_high = 0.0, t_low = 0.0;
+  long double orbit[3] = {};  ///< cosine and sine of the true anomaly, and sqrt(parameter/distance)
+  int until_exact_orbit = 0; ///< steps until it is computed anew
+  double longest = 0.0;      ///< the next step must not be longer
+  unsigned long long random = 0x9e3779b97f4a7c15ull;
+  double worst_rad = 0.0;     ///< largest turn_error_rad so far
+};
+
+/// What a series is made from. The step ends where the next one starts.
+struct StepStart {
+  double t_high, t_low;
+  double state[kMostVectors][3];
+  double orbit[3];
+  int order;
+  int sign = 1;  ///< of the quaternion
+};
+
+/// How a run takes its steps.
+struct Stepping {
+  double end;             ///< in units, either side of the front
+  double local_error;     ///< allowed in a step
+  int order;
+  bool precise;           ///< low orders in double-double
+};
+
+struct Kernel {
+  const char* name;
+  /// Takes up to `most` steps, as far as the end; returns how many.
+  int (*advance)(const Problem& problem, const Stepping& stepping, int most, Front& front, StepStart* starts);
+  /// The coefficients of the state, [order][vector][component], order + 1 of them.
+  void (*coefficients)(const Problem& problem, const StepStart& start, int order, double length,
+                       double (*out)[kMostVectors][4]);
+  /// The state at a time since the start of the step.
+  void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, int vectors, double t,
+                   double (*state)[4]);
+};
+
+/// For the instruction set of ThetaMotion::best_target().
+const Kernel& best_kernel();
+
+}  // namespace polhode::taylor

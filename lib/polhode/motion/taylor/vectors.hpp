@@ -1,0 +1,102 @@
+#pragma once
+
+// Vectors of three components in a register, of doubles, and of sums of two doubles.
+
+#include <type_traits>
+
+#include "polhode/base/double_double.hpp"
+#include "polhode/base/target.hpp"
+#include "polhode/motion/taylor/problem.hpp"
+
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
+namespace polhode::taylor {
+inline namespace POLHODE_TARGET {
+
+/// (x, y, z, anything); the compiler takes two registers where they have two lanes.
+using Vector __attribute__((vector_size(32))) = double;
+
+[[gnu::always_inline]] inline Vector all(double a) { return Vector{a, a, a, a}; }
+
+[[gnu::always_inline]] inline void add_product(Vector& to, Vector a, Vector b) {
+#if defined(__AVX2__) && defined(__FMA__)
+  to = _mm256_fmadd_pd(a, b, to);
+#else
+  to = a * b + to;
+#endif
+}
+[[gnu::always_inline]] inline void add_product(Vector& to, Vector a, double b) { add_product(to, a, all(b)); }
+
+/// (y, z, x)
+[[gnu::always_inline]] inline Vector yzx(Vector a) { return __builtin_shufflevector(a, a, 1, 2, 0, 3); }
+[[gnu::always_inline]] inline Vector all_x(Vector a) { return __builtin_shufflevector(a, a, 0, 0, 0, 3); }
+[[gnu::always_inline]] inline Vector rounded(Vector a) { return a; }
+[[gnu::always_inline]] inline Vector over(Vector a, int /*n*/, double share) { return a * all(share); }
+
+/// The same in double-double (base/double_double.hpp has the numbers' own operations).
+struct PreciseVector {
+  Vector high = {}, low = {};
+};
+
+[[gnu::always_inline]] inline PreciseVector fast_two_sum(Vector a, Vector b) {
+  const Vector s = a + b;
+  return {s, b - (s - a)};
+}
+[[gnu::always_inline]] inline PreciseVector two_sum(Vector a, Vector b) {
+  const Vector s = a + b, bb = s - a;
+  return {s, (a - (s - bb)) + (b - bb)};
+}
+[[gnu::always_inline]] inline PreciseVector operator+(const PreciseVector& a, const PreciseVector& b) {
+  const PreciseVector s = two_sum(a.high, b.high);
+  return fast_two_sum(s.high, s.low + (a.low + b.low));
+}
+[[gnu::always_inline]] inline PreciseVector operator-(const PreciseVector& a, const PreciseVector& b) {
+  return a + PreciseVector{-b.high, -b.low};
+}
+/// a b - p, exactly
+[[gnu::always_inline]] inline Vector product_error(Vector a, Vector b, Vector p) {
+#if defined(__AVX2__) && defined(__FMA__)
+  return _mm256_fmsub_pd(a, b, p);
+#else
+  const Vector ta = a * all(0x1p27 + 1.0), tb = b * all(0x1p27 + 1.0);
+  const Vector ah = ta - (ta - a), bh = tb - (tb - b), al = a - ah, bl = b - bh;
+  return ((ah * bh - p) + ah * bl + al * bh) + al * bl;
+#endif
+}
+[[gnu::always_inline]] inline PreciseVector operator*(const PreciseVector& a, const PreciseVector& b) {
+  const Vector p = a.high * b.high;
+  Vector low = product_error(a.high, b.high, p);
+  add_product(low, a.high, b.low);
+  add_product(low, a.low, b.high);
+  return fast_two_sum(p, low);
+}
+[[gnu::always_inline]] inline PreciseVector operator*(const PreciseVector& a, double b) { return a * PreciseVector{all(b), Vector{}}; }
+/// The sum's parts may overlap by the lower parts of some products; the next product or sum of two brings them in order.
+[[gnu::always_inline]] inline void add_product(PreciseVector& to, const PreciseVector& a, const PreciseVector& b) {
+  const Vector p = a.high * b.high;
+  const PreciseVector sum = two_sum(to.high, p);
+  Vector low = product_error(a.high, b.high, p);
+  add_product(low, a.high, b.low);
+  add_product(low, a.low, b.high);
+  to = {sum.high, to.low + (sum.low + low)};
+}
+[[gnu::always_inline]] inline void add_product(PreciseVector& to, const PreciseVector& a, TwoParts b) {
+  add_product(to, a, PreciseVector{all(b.high), all(b.low)});
+}
+[[gnu::always_inline]] inline PreciseVector yzx(const PreciseVector& a) { return {yzx(a.high), yzx(a.low)}; }
+[[gnu::always_inline]] inline PreciseVector all_x(const PreciseVector& a) { return {all_x(a.high), all_x(a.low)}; }
+[[gnu::always_inline]] inline Vector rounded(const PreciseVector& a) { return a.high; }
+/// a/n, with share = 1/n rounded
+[[gnu::always_inline]] inline PreciseVector over(const PreciseVector& a, int n, double share) {
+  const double missing = -__builtin_fma(share, static_cast<double>(n), -1.0) * share;
+  return a * PreciseVector{all(share), all(missing)};
+}
+
+/// The numbers beside vectors of a kind: coefficients of a function of time that is known.
+template <class V>
+using Number = std::conditional_t<std::is_same_v<V, Vector>, double, TwoParts>;
+
+}  // namespace POLHODE_TARGET
+}  // namespace polhode::taylor
