@@ -17,12 +17,13 @@ inline constexpr int kPreciseOrders = 5;
 struct NoSurroundings {
   static constexpr int axes = 2;
   explicit NoSurroundings(const Problem& /*problem*/) {}
-  void make(const double (&/*state*/)[3], double /*longest*/, int /*order*/) {}
-  void make_low(const long double (&/*state*/)[3]) {}
+  void begin(const double (&/*state*/)[3], double /*longest*/) {}
+  void next(int /*n*/) {}
+  void find_precise(const long double (&/*state*/)[3]) {}
   double strength() const { return 0.0; }
   double longest() const { return 1e300; }
   template <bool precise>
-  void move(double /*h*/, long double (&/*state*/)[3]) const {}
+  void move(double /*h*/, int /*order*/, long double (&/*state*/)[3]) const {}
 };
 
 /// p = sqrt(3 mu/r^5) r on a Kepler orbit, as series. With the true anomaly's cosine c and sine s, v^2 = 1 + e c and
@@ -43,41 +44,42 @@ class PlanarOrbit {
         strength_(kSqrt3 * rate_),
         exact_rate_(problem.orbit.rate) {}
 
-  /// The coefficients up to `order`; from where they no longer count within `longest`, zeros.
-  void make(const double (&state)[3], double longest, int order) {
+  /// The first coefficient; those after it come one by one, as far as they count within `longest`.
+  void begin(const double (&state)[3], double longest) {
     c_[0] = state[0], s_[0] = state[1], v_[0] = state[2];
-    double power = 1.0;
-    int n = 0;
-    for (;; ++n) {
-      Vector squares = {}, last = {};
-      for (int j = 1; j < n; ++j) {
-        add_product(squares, left_[j], right_[n - j]);
-        add_product(last, powers_[j], sines_[n - j]);
-      }
-      const double v2_0 = n > 0 ? left_[0][1] : v_[0] * v_[0];
-      const double v2 = n > 0 ? squares[0] + 2.0 * v_[0] * v_[n] : v2_0;
-      const double v3 = n > 0 ? squares[1] + (v2_0 * v_[n] + v2 * v_[0]) : v2 * v_[0];
-      const double v4 = n > 0 ? squares[2] + 2.0 * v2_0 * v2 : v2 * v2;
-      left_[n] = Vector{v_[n], v2, v2, 0.0};
-      right_[n] = Vector{v_[n], v_[n], v2, 0.0};
-      powers_[n] = Vector{v3, v3, v4, v4};
-      sines_[n] = Vector{c_[n], s_[n], c_[n], s_[n]};
-      add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(last, powers_[j], sines_[m - j]); }, n);
-      p_[0][n] = strength_ * last[0];
-      p_[1][n] = strength_ * last[1];
-      if (n == order) break;
-      const double share = rate_ / (n + 1);
-      c_[n + 1] = -share * last[3];
-      s_[n + 1] = share * last[2];
-      v_[n + 1] = -0.5 * eccentricity_ * share * last[1];
-      power *= longest;
-      const double left_out = __builtin_fabs(c_[n + 1]) + __builtin_fabs(s_[n + 1]) + __builtin_fabs(v_[n + 1]);
-      if (n > 2 && left_out * power < kCounts && (__builtin_fabs(last[0]) + __builtin_fabs(last[1])) * power < kCounts) {
-        break;
-      }
+    longest_ = longest, power_ = 1.0, orders_ = kMostOrder;
+    next(0);
+  }
+  /// The coefficient n of p, n + 1 of the orbit.
+  [[gnu::always_inline]] void next(int n) {
+    if (n > orders_) {
+      p_[0][n] = p_[1][n] = 0.0;
+      return;
     }
-    orders_ = n;
-    for (int i = n + 1; i <= order; ++i) p_[0][i] = p_[1][i] = 0.0;
+    Vector squares = {}, last = {};
+    for (int j = 1; j < n; ++j) {
+      add_product(squares, left_[j], right_[n - j]);
+      add_product(last, powers_[j], sines_[n - j]);
+    }
+    const double v2_0 = n > 0 ? left_[0][1] : v_[0] * v_[0];
+    const double v2 = n > 0 ? squares[0] + 2.0 * v_[0] * v_[n] : v2_0;
+    const double v3 = n > 0 ? squares[1] + (v2_0 * v_[n] + v2 * v_[0]) : v2 * v_[0];
+    const double v4 = n > 0 ? squares[2] + 2.0 * v2_0 * v2 : v2 * v2;
+    left_[n] = Vector{v_[n], v2, v2, 0.0};
+    right_[n] = Vector{v_[n], v_[n], v2, 0.0};
+    powers_[n] = Vector{v3, v3, v4, v4};
+    sines_[n] = Vector{c_[n], s_[n], c_[n], s_[n]};
+    add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(last, powers_[j], sines_[m - j]); }, n);
+    p_[0][n] = strength_ * last[0];
+    p_[1][n] = strength_ * last[1];
+    const double share = rate_ / (n + 1);
+    c_[n + 1] = -share * last[3];
+    s_[n + 1] = share * last[2];
+    v_[n + 1] = -0.5 * eccentricity_ * share * last[1];
+    power_ *= longest_;
+    const double left_out = __builtin_fabs(c_[n + 1]) + __builtin_fabs(s_[n + 1]) + __builtin_fabs(v_[n + 1]) +
+                            __builtin_fabs(last[0]) + __builtin_fabs(last[1]);
+    if (n > 2 && left_out * power_ < kCounts) orders_ = n;
   }
   /// A share of r/|v|: an encounter is never stepped over, however weak its torque still is.
   double longest() const {
@@ -86,7 +88,7 @@ class PlanarOrbit {
     return kShareOfTimeScale / (v2 * rate_ * __builtin_sqrt(speed2));
   }
   /// The low orders in long double.
-  void make_low(const long double (&state)[3]) {
+  void find_precise(const long double (&state)[3]) {
     const long double rate = exact_rate_, strength = 1.7320508075688772935274463L * rate;
     long double v2[kPreciseOrders + 1], v3[kPreciseOrders + 1], v4[kPreciseOrders + 1];
     long double (&c)[kPreciseOrders + 1] = low_[0], (&s)[kPreciseOrders + 1] = low_[1], (&v)[kPreciseOrders + 1] = low_[2];
@@ -116,12 +118,13 @@ class PlanarOrbit {
   /// Size of p.
   double strength() const { return strength_ * v_[0] * v_[0] * v_[0]; }
 
+  /// From the coefficients up to `order`.
   template <bool precise>
-  void move(double h, long double (&state)[3]) const {
+  void move(double h, int order, long double (&state)[3]) const {
     const double* const series[3] = {c_, s_, v_};
     for (int i = 0; i < 3; ++i) {
       double sum = 0.0;
-      for (int n = orders_; n > (precise ? kPreciseOrders : 0); --n) sum = (sum + series[i][n]) * h;
+      for (int n = order < orders_ ? order : orders_; n > (precise ? kPreciseOrders : 0); --n) sum = (sum + series[i][n]) * h;
       if constexpr (precise) {
         long double all_orders = sum / h;
         for (int n = kPreciseOrders; n >= 0; --n) all_orders = all_orders * h + low_[i][n];
@@ -139,10 +142,11 @@ class PlanarOrbit {
 
   double eccentricity_, rate_, strength_;
   long double exact_rate_;
+  double longest_ = 0.0, power_ = 1.0;
   int orders_ = 0;
   Vector left_[kMostOrder + 1], right_[kMostOrder + 1];  // (v, v^2, v^2), (v, v, v^2)
   Vector powers_[kMostOrder + 1], sines_[kMostOrder + 1];
-  double c_[kMostOrder + 1], s_[kMostOrder + 1], v_[kMostOrder + 1];
+  double c_[kMostOrder + 2], s_[kMostOrder + 2], v_[kMostOrder + 2];
   double p_[2][kMostOrder + 1];
   long double low_[3][kPreciseOrders + 1];
   TwoParts low_p_[2][kPreciseOrders + 1];

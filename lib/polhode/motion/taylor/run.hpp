@@ -55,7 +55,10 @@ struct Engine {
 
   /// The orders from `from` on.
   [[gnu::always_inline]] void go_on(int from, int order) {
-    for (int n = from; n < order; ++n) plain.next(n);
+    for (int n = from; n < order; ++n) {
+      around.next(n + 1);
+      plain.next(n);
+    }
   }
 
 };
@@ -129,8 +132,8 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
     for (int i = 0; i < vectors; ++i) __builtin_memcpy(start.state[i], &high[i], sizeof start.state[i]);
     for (int i = 0; i < 3; ++i) start.orbit[i] = static_cast<double>(front.orbit[i]);
 
-    engine.around.make(start.orbit, front.longest, order);
-    if constexpr (precise) engine.around.make_low(front.orbit);
+    engine.around.begin(start.orbit, front.longest);
+    if constexpr (precise) engine.around.find_precise(front.orbit);
     auto& plain = engine.plain;
     int known = 0;
     if constexpr (precise) {
@@ -148,8 +151,12 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
     variation.omega.set(0, rate_error);
     variation.turn.set(0, turn_error);
     // Both chains side by side: each waits for its own last order.
-    for (int n = 0; n < known; ++n) variation.next(plain, n);
+    for (int n = 0; n < known; ++n) {
+      engine.around.next(n + 1);
+      variation.next(plain, n);
+    }
     for (int n = known; n < kVariationOrders; ++n) {
+      engine.around.next(n + 1);
       plain.next(n);
       variation.next(plain, n);
     }
@@ -204,7 +211,7 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
     const double turned2 =
         turn_error[0] * turn_error[0] + turn_error[1] * turn_error[1] + turn_error[2] * turn_error[2];
     front.worst_rad = larger(front.worst_rad, __builtin_sqrt(turned2));
-    engine.around.template move<precise>(h, front.orbit);
+    engine.around.template move<precise>(h, order, front.orbit);
     if (ends) {
       front.t_high = stepping.end, front.t_low = 0.0;
     } else {
@@ -232,7 +239,7 @@ void coefficients_of(const Problem& problem, const StepStart& start, int order, 
                   double (*out)[kMostVectors][4]) {
   using E = Engine<Around, Kinds...>;
   E engine(problem);
-  engine.around.make(start.orbit, length, order);
+  engine.around.begin(start.orbit, length);
   for (int i = 0; i < E::vectors; ++i) {
     engine.plain.state(i).set(0, Vector{start.state[i][0], start.state[i][1], start.state[i][2], 0.0});
   }
