@@ -225,7 +225,7 @@ TEST(TorquedMotion, EnergyChangesByThePowerOfTheTorques) {
        EddyCurrents{100.0 * M, Vector3::UnitZ(), 7.8e15,
                     KeplerElements{kEarth, kRadius_m, 0.01, 0.0, {1, 0, 0}, {0, 0.6, 0.8}}},
        LinearDamping{{3.0, 5.0, 2.0}}});
-  for (const char* method : {"near-10-6-4", "extrapolation"}) {
+  for (const char* method : {"series", "near-10-6-4", "extrapolation"}) {
     const TorquedMotion motion(body, torques, by(method, {1e-10, 0.0, 5000.0}));
     EXPECT_EQ(motion.outcome(), Outcome::done) << method;
     const auto energy = [&](double t) {
@@ -250,7 +250,7 @@ TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotatio
   const double G = body.momentum_body.norm();
   const Torques torques({InternalDissipation::from_quality_factor(5.0, moments, G)});
   const double k = std::get<InternalDissipation>(torques.list()[0]).relaxation;
-  for (const char* method : {"near-10-6-4", "extrapolation"}) {
+  for (const char* method : {"series", "near-10-6-4", "extrapolation"}) {
     const TorquedMotion motion(body, torques, by(method, {1e-8, 0.0, 400.0}));
     EXPECT_EQ(motion.outcome(), Outcome::done) << method;
     const auto energy = [&](double t) {
@@ -270,9 +270,9 @@ TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotatio
   }
 }
 
-// Variation of constants, against extrapolation in long double, which knows nothing of the exact motion.
+// Series, against extrapolation in long double.
 
-TEST(Variation, FollowsEveryKindOfBodyAtAnyTime) {
+TEST(TorquedMotion, FollowsEveryKindOfBodyAtAnyTime) {
   const KeplerElements orbit{kEarth, kRadius_m, 0.1, 100.0, {1, 0, 0}, {0, 0.6, 0.8}};
   const Matrix3 magnetic = Vector3(931500, 1059000, 1059000).asDiagonal();
   const Torque gravity_gradient = GravityGradient(kEarth, orbit);
@@ -300,6 +300,16 @@ TEST(Variation, FollowsEveryKindOfBodyAtAnyTime) {
        {17000, 90000, 129200},
        {0.05, 0.01, 0.02},
        {gravity_gradient, InternalDissipation::from_quality_factor(300.0, {17000, 90000, 129200}, 3000.0)}},
+      {"an inertial torque, beside two masses",
+       {17000, 90000, 129200},
+       {0.02, 0.01, 0.03},
+       {gravity_gradient, ConstantTorque{{0.01, -0.02, 0.03}, ConstantTorque::Axes::inertial},
+        GravityGradient(4.9e12, KeplerElements{4.9e12, 4e6, 1.3, 900.0, {0, 1, 0}, {0, 0, 1}})}},
+      {"two masses",
+       {17000, 90000, 129200},
+       {0.02, 0.01, 0.03},
+       {gravity_gradient, GravityGradient(4.9e12, KeplerElements{4.9e12, 4e6, 0.2, 900.0, {0, 1, 0}, {0, 0, 1}})}},
+      {"damping on an orbit", {17000, 90000, 129200}, {0.02, 0.01, 0.03}, {gravity_gradient, LinearDamping{{1, 5, 2}}}},
       {"spin-up through the separatrix",
        {17000, 90000, 129200},
        {0.05, 0.01, 0.01},
@@ -312,238 +322,18 @@ TEST(Variation, FollowsEveryKindOfBodyAtAnyTime) {
       const TorquedMotion truth(body, torques, {1e-12, std::min(0.0, end_s), std::max(0.0, end_s), "extrapolation"});
       ASSERT_EQ(truth.outcome(), Outcome::done) << b.name;
       for (const double tolerance : {1e-5, 1e-9}) {
-        const TorquedMotion variation(body, torques, {tolerance, std::min(0.0, end_s), std::max(0.0, end_s)});
-        EXPECT_EQ(variation.outcome(), Outcome::done) << b.name;
-        // Where small errors grow a hundred-thousandfold extrapolation may have to follow; for a sphere it always does.
-        const std::string_view name = b.name;
-        EXPECT_TRUE(variation.method() == "variation" || name == "beside the middle axis" || name == "dissipation" ||
-                    name == "sphere")
-            << name;
+        const TorquedMotion motion(body, torques, {tolerance, std::min(0.0, end_s), std::max(0.0, end_s)});
+        EXPECT_EQ(motion.outcome(), Outcome::done) << b.name;
+        EXPECT_EQ(motion.method(), "series");
         double worst = 0.0;
         for (int i = 0; i <= 200; ++i) {  // between the points, too
-          const double t = end_s * i / 200.0, off = distance(variation.at(t), truth.at(t));
+          const double t = end_s * i / 200.0, off = distance(motion.at(t), truth.at(t));
           worst = off <= worst ? worst : off;
         }
         EXPECT_LE(worst, tolerance) << b.name << " to " << end_s << " s at " << tolerance;
       }
     }
   }
-}
-
-TEST(Variation, CostsFewTorqueEvaluations) {
-  const FreeBody body = satellite({0.02, 0.01, 0.05});
-  const double span_s =
-      100.0 * 2.0 * std::numbers::pi / body.momentum_body.cwiseQuotient(body.principal_moments).norm();
-  const State truth = reference(body, gravity(), span_s);
-  const Variation variation(body, 0.0, span_s, gravity(), 3e-11, 1'000'000);
-  EXPECT_LT(distance(variation.at(span_s), truth), 1e-9);
-  EXPECT_LT(variation.torque_evaluations(), 90 * 100U);  // an eighth-order Runge-Kutta method takes 220 a turn
-  const Torques tiny(
-      {GravityGradient(1e-4 * kEarth, KeplerElements{kEarth, kRadius_m, 0.0, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
-  const Variation weak(body, 0.0, span_s, tiny, 1e-10, 1'000'000);
-  EXPECT_LT(distance(weak.at(span_s), reference(body, tiny, span_s)), 1e-9);
-  EXPECT_LT(weak.torque_evaluations(), 45 * 100U);
-}
-
-// Where the torque is so small that windows are as long as they may be, two runs that shared them would share their
-// errors, and agree on what is wrong.
-TEST(Variation, RunsToTwoTolerancesDoNotShareTheirWindows) {
-  const FreeBody body = satellite({0.02, 0.01, 0.05});
-  const double span_s =
-      100.0 * 2.0 * std::numbers::pi / body.momentum_body.cwiseQuotient(body.principal_moments).norm();
-  for (const double part : {1e-4, 1e-6, 1e-8}) {
-    const Torques tiny(
-        {GravityGradient(part * kEarth, KeplerElements{kEarth, kRadius_m, 0.0, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
-    const State truth = reference(body, tiny, span_s);
-    const Variation coarse(body, 0.0, span_s, tiny, 1e-10, 1'000'000);
-    const Variation fine(body, 0.0, span_s, tiny, 1e-10 / 16.0, 1'000'000);
-    EXPECT_NE(coarse.windows(), fine.windows()) << part;
-    const double apart = distance(coarse.at(span_s), fine.at(span_s));
-    EXPECT_LT(distance(coarse.at(span_s), truth), 3.0 * apart + 1e-11) << part;  // and rounding
-    EXPECT_LT(coarse.torque_evaluations(), (part > 1e-7 ? 45 : 25) * 100U + 100U) << part;
-  }
-}
-
-// Roundings of the energy, of the same sign in every epoch, would add up to 5e-10 and more.
-TEST(Variation, KeepsTheEnergyOfAFreeMotionOverHundredsOfEpochs) {
-  for (const double largest : {1048.54, 1100.0, 1400.0}) {
-    const Vector3 moments(102.71, 1048.54, largest), m = Vector3(0.383, 0.147, -0.912).normalized();
-    const FreeBody body{moments, Quaternion(0.3, 0.5, -0.2, 0.7).normalized(), m};
-    const double span_s = 700.0 * 2.0 * std::numbers::pi / m.cwiseQuotient(moments).norm();
-    const Torques nothing({ConstantTorque{{1e-25, 0.0, 0.0}}});
-    const Variation variation(body, 0.0, span_s, nothing, 1e-12, 10'000'000);
-    ASSERT_TRUE(variation.whole());
-    EXPECT_GT(variation.windows(), 300U);
-    EXPECT_LT(distance(variation.at(span_s), ThetaMotion(body).at(span_s)), 1e-13) << largest;
-  }
-}
-
-TEST(Variation, FeelsTheTorqueSeldom) {
-  const FreeBody body = satellite({0.02, 0.01, 0.05});
-  const double span_s = 2e4, turns = body.momentum_body.cwiseQuotient(body.principal_moments).norm() * span_s / 6.283;
-  const Variation variation(body, 0.0, span_s, gravity(), 1e-8, 1'000'000);
-  ASSERT_TRUE(variation.whole());
-  EXPECT_LT(static_cast<double>(variation.torque_evaluations()), 40.0 * turns);
-  EXPECT_LT(static_cast<double>(variation.gradients()), 30.0 * turns);
-  EXPECT_LT(distance(variation.at(span_s), reference(body, gravity(), span_s)), 1e-9);
-}
-
-// About an equatorial axis of a symmetric body, where the separatrix and the principal axes are one.
-TEST(Variation, StartsOnAnAxisOfASymmetricBody) {
-  const FreeBody body{{0.5, 1.0, 1.0}, Quaternion(0.3, 0.5, -0.2, 0.7).normalized(), {0.0, 0.0, 0.05}};
-  for (const double end_s : {2000.0, -2000.0}) {
-    const Variation variation(body, 0.0, end_s, gravity(), 1e-9, 1'000'000);
-    ASSERT_TRUE(variation.whole());
-    EXPECT_LT(distance(variation.at(end_s), reference(body, gravity(), end_s)), 1e-9);
-  }
-}
-
-TEST(Variation, AsksForOrbitsSeldom) {
-  const FreeBody body = satellite({0.02, 0.01, 0.05});
-  const double span_s = 2e4;
-  const Variation circle(body, 0.0, span_s, gravity(), 1e-9, 1'000'000);
-  EXPECT_LT(circle.surroundings_found(), 150U);  // 170 turns of the body
-  EXPECT_GT(circle.torque_evaluations(), 5000U);
-  // A table that is linear between its rows has jumps that no polynomial holds: every point is asked for, and none is
-  // beyond its ends.
-  OrbitTable table;
-  table.degree = 1;
-  for (int i = 0; i <= 2000; ++i) {
-    const double t_s = 0.5 * i, angle = 1e-3 * t_s;
-    table.times_s.push_back(t_s);
-    table.positions_m.emplace_back(kRadius_m * std::cos(angle), kRadius_m * std::sin(angle), 0.0);
-  }
-  const Torques tabulated({GravityGradient(kEarth, Trajectory(TabulatedOrbit({table})))});
-  const Variation along(body, 0.0, 1000.0, tabulated, 1e-6, 1'000'000);
-  ASSERT_TRUE(along.whole());
-  EXPECT_GT(along.surroundings_found(), circle.surroundings_found());
-  const KeplerElements circle_of_table{
-      1e-6 * kRadius_m * kRadius_m * kRadius_m, kRadius_m, 0.0, 0.0, {1, 0, 0}, {0, 0, 1}};
-  EXPECT_LT(distance(along.at(1000.0), reference(body, Torques({GravityGradient(kEarth, circle_of_table)}), 1000.0)),
-            1e-5);
-}
-
-/// A window of a free motion that deviates, with the pulls of two bodies.
-struct WindowOfKernel {
-  explicit WindowOfKernel(const variation::Kernel& with) : kernel(with) {
-    for (int i = 0; i < variation::kPoints; ++i) {
-      const Quaternion q = Quaternion(std::cos(i), 0.3, std::sin(2.0 * i), 0.5).normalized();
-      const double parts[] = {q.w(), q.x(), q.y(), q.z()};
-      for (int k = 0; k < 4; ++k) places.q[k][i] = parts[k];
-      places.since_base_s[i] = 0.1 * i;
-      for (int k = 0; k < variation::kCoefficients; ++k) y[k][i] = 1e-2 * std::sin(i + 3.0 * k);
-      for (int k = 0; k < 6; ++k) pulls[k][i] = 0.1 * std::cos(0.2 * i + k);
-    }
-    kernel.find_places(reference, variation::kPoints, places);
-  }
-  void feel() { kernel.feel_gravity_gradients(reference, places, pulls, 2, y, variation::kPoints, felt); }
-
-  using Values = variation::AtPoints[variation::kCoefficients];
-  const variation::Kernel& kernel;
-  variation::Reference reference{{1, 2, 3}, {1, 0.5, 1.0 / 3}, {0.6, 0, 0.8}, 2.0, 0.9, 0.3, 0.7, -0.2, 0.0};
-  variation::Places places{};
-  variation::AtPoints pulls[6];
-  variation::Felt felt;
-  Values y, rates;
-};
-
-// Each instruction set that this machine has.
-TEST(Variation, KernelsAgree) {
-  const auto run = [](WindowOfKernel& window) {
-    window.feel();
-    window.y[1][3] += 1e-3;
-    window.kernel.find_gradients(window.reference, window.places, window.pulls, 2, window.y, window.felt);
-    variation::AtPoints away_rad;
-    window.kernel.find_rates(window.reference, window.places, window.felt, window.y, window.rates, away_rad);
-  };
-  WindowOfKernel expected(*variation::kernels().front());
-  run(expected);
-  for (const variation::Kernel* kernel : variation::kernels()) {
-    WindowOfKernel window(*kernel);
-    run(window);
-    for (int k = 0; k < variation::kCoefficients; ++k) {
-      for (int i = 0; i < variation::kPoints; ++i) {
-        EXPECT_NEAR(window.rates[k][i], expected.rates[k][i], 1e-13 * (1.0 + std::abs(expected.rates[k][i])))
-            << kernel->name;
-      }
-    }
-  }
-}
-
-// With its derivative half way the torque elsewhere is off by the third order of the way there.
-TEST(Variation, GradientIsThatOfTheTorque) {
-  double error[2];
-  for (const int finer : {0, 1}) {
-    WindowOfKernel window(variation::best_kernel()), there(variation::best_kernel());
-    for (int k = 0; k < variation::kCoefficients; ++k) {
-      for (int i = 0; i < variation::kPoints; ++i) {
-        window.y[k][i] = there.y[k][i] + (finer == 1 ? 1e-3 : 2e-3) * std::cos(2.0 * i + k);
-      }
-    }
-    there.feel();
-    window.feel();
-    const variation::Felt at_first = there.felt;
-    there.kernel.find_gradients(there.reference, there.places, there.pulls, 2, window.y, there.felt);
-    error[finer] = 0.0;
-    for (int i = 0; i < variation::kPoints; ++i) {
-      for (int k = 0; k < 3; ++k) {
-        double torque = at_first.torque[k][i];
-        for (int l = 0; l < 3; ++l) {
-          torque += there.felt.gradient[3 * l + k][i] * (window.felt.angle[l][i] - at_first.angle[l][i]);
-        }
-        error[finer] = std::max(error[finer], std::abs(torque - window.felt.torque[k][i]));
-      }
-    }
-  }
-  EXPECT_LT(error[1], 1e-8);
-  EXPECT_GT(error[0] / error[1], 6.0);
-}
-
-// A polynomial of the degree that the points allow, and twice that at the end.
-TEST(Variation, GridIntegratesExactly) {
-  const variation::Grid grid;
-  const auto worst_for = [&grid](int degree, bool at_end) {
-    double worst = 0.0;
-    for (int i = 0; i < variation::kPoints; ++i) {
-      if (at_end && i != variation::kLast) continue;
-      double sum = 0.0;
-      for (int j = 0; j < variation::kPoints; ++j) sum += grid.integral[j][i] * std::pow(grid.point[j], degree);
-      const double exact = (std::pow(grid.point[i], degree + 1) - (degree % 2 == 0 ? -1.0 : 1.0)) / (degree + 1);
-      worst = std::max(worst, std::abs(sum - exact));
-    }
-    return worst;
-  };
-  EXPECT_LT(worst_for(variation::kDegree, false), 1e-14);
-  EXPECT_LT(worst_for(2 * variation::kDegree - 2, true), 1e-14);
-  EXPECT_GT(worst_for(variation::kDegree + 1, false), 1e-12);
-  EXPECT_GT(worst_for(2 * variation::kDegree, true), 1e-14);
-  for (int i = 0; i < variation::kPoints; ++i) {
-    double sum = 0.0;
-    for (int j = 0; j < variation::kGuess; ++j) {
-      sum += grid.interpolation[j][i] * std::pow(grid.point[j], variation::kGuess - 1);
-    }
-    EXPECT_NEAR(sum, std::pow(grid.point[i], variation::kGuess - 1), 1e-13);
-  }
-}
-
-TEST(Variation, SaysWhenItIsNotForThis) {
-  const FreeBody rest{{1, 2, 3}, Quaternion::Identity(), {0, 0, 0}};
-  const Torques push({ConstantTorque{{1e-3, 0, 0}}});
-  EXPECT_FALSE(Variation(rest, 0.0, 100.0, push, 1e-9, 1'000'000).whole());
-  const Variation overwhelmed(satellite({1e-4, 1e-5, 1e-5}), 0.0, 1e5, gravity(0.3), 1e-9, 10'000'000);
-  EXPECT_FALSE(overwhelmed.whole());
-  const Variation stopped(satellite(), 0.0, 1e5, gravity(), 1e-9, 5000);
-  EXPECT_FALSE(stopped.whole());
-  EXPECT_GT(stopped.reached_s(), 0.0);
-  EXPECT_TRUE(stopped.at(0.5 * stopped.reached_s()).momentum_body.allFinite());
-  EXPECT_TRUE(Variation(satellite(), 3.0, 3.0, gravity(), 1e-9, 1).whole());
-}
-
-TEST(TorquedMotion, TakesVariationForSmallTorquesAndExtrapolationForOthers) {
-  EXPECT_EQ(TorquedMotion(satellite(), gravity(), {1e-9, 0.0, 5000.0}).method(), "variation");
-  EXPECT_EQ(TorquedMotion(satellite({1e-4, 1e-3, 1e-4}), gravity(), {1e-9, 0.0, 20000.0}).method(),
-            "extrapolation-double");
-  EXPECT_EQ(TorquedMotion(satellite(), gravity(), {1e-14, 0.0, 5000.0}).method(), "extrapolation");
 }
 
 // Control.
@@ -604,7 +394,7 @@ TEST(TorquedMotion, StopsWhereItWasStopped) {
   }
 }
 
-/// A spin that is damped for so long that no momentum is left that a double could hold.
+/// A spin that is damped for so long that nothing of its momentum is left.
 TEST(TorquedMotion, DampingMayTakeAllMomentum) {
   const FreeBody body = satellite();
   for (const std::string_view name : {"auto", "near-10-6-4"}) {
@@ -613,7 +403,7 @@ TEST(TorquedMotion, DampingMayTakeAllMomentum) {
     const TorquedMotion motion(body, Torques({LinearDamping{Vector3::Ones()}}), options);
     const State end = motion.at(options.last_s);
     EXPECT_NEAR(end.q_inertial_from_body.norm(), 1.0, 1e-14) << name;
-    EXPECT_LT(end.momentum_body.norm(), 1e-100) << name;
+    EXPECT_LT(end.momentum_body.norm(), 1e-9 * body.momentum_body.norm()) << name;
   }
 }
 
@@ -645,7 +435,7 @@ TEST(TorquedMotion, RefusesWrongOptions) {
 }
 
 TEST(TorquedMotion, GoesOnForAsLongAsTimeScalesDiffer) {
-  for (const std::string_view method : {"variation", "extrapolation-double", "near-8-4"}) {
+  for (const std::string_view method : {"series", "extrapolation-double", "near-8-4"}) {
     for (const double last_s : {3000.0, 0.0}) {
       const TorquedMotion motion(satellite(), gravity(), by(method, {1e-9, last_s - 3000.0, last_s}));
       const TorquedMotion longer(satellite(), gravity(), by(method, {1e-9, last_s - 3001.0, last_s + 1.0}));

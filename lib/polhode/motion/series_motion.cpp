@@ -20,24 +20,24 @@ extern const Kernel k_kernel_avx2;
 extern const Kernel k_kernel_avx512;
 #endif
 
-const Kernel& best_kernel() {
+std::vector<const Kernel*> kernels() {
+  std::vector<const Kernel*> all{&k_kernel_baseline};
 #ifdef POLHODE_X86_TARGETS
-  const std::string_view name = ThetaMotion::best_target().name;
-  if (name == k_kernel_avx2.name) return k_kernel_avx2;
-  if (name == k_kernel_avx512.name) return k_kernel_avx512;
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) all.push_back(&k_kernel_avx2);
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq")) all.push_back(&k_kernel_avx512);
 #endif
-  return k_kernel_baseline;
+  return all;
 }
 
-void exact_orbit(const Problem& problem, double t_high, double t_low, long double (&state)[3]) {
-  const Problem::Orbit& o = problem.orbit;
-  const long double t_s = (static_cast<long double>(t_high) + t_low) * problem.unit_s;
-  const Vector3Of<long double> place = o.orbit->state(t_s).position_m;
-  const auto axes = o.orbit->axes();
-  const long double distance = place.norm();
-  state[0] = place.dot(axes[0]) / distance;
-  state[1] = place.dot(axes[1]) / distance;
-  state[2] = std::sqrt(o.parameter_m / distance);
+const Kernel& best_kernel() {
+  static const Kernel* const best = [] {
+    const std::string_view wanted = ThetaMotion::best_target().name;
+    for (const Kernel* kernel : kernels()) {
+      if (kernel->name == wanted) return kernel;
+    }
+    return &k_kernel_baseline;
+  }();
+  return *best;
 }
 
 }  // namespace taylor
@@ -52,8 +52,8 @@ struct SteppingTuning {
   static constexpr double order_per_digit = 0.62;  // of the natural logarithm of the local error
   static constexpr int least_order = 8;
   static constexpr int at_once = 16;               // steps between looks at the error
-  static constexpr double safety = 4.0;            // the error claimed, of the difference carried along
-  static constexpr double aim = 0.25;              // of the tolerance, at the end
+  static constexpr double safety = 8.0;            // the error claimed, of the difference carried along
+  static constexpr double aim = 0.5;               // of the tolerance, at the end
   static constexpr int most_runs = 6;
 };
 
@@ -64,68 +64,91 @@ int order_for(double local_error) {
 
 /// Of the torques that a run is made for.
 struct Parts {
-  const GravityGradient* pull = nullptr;
-  Vector3 constant = Vector3::Zero();
-  Matrix3 damping = Matrix3::Zero();
+  int pulls = 0, fields = 0;
+  const KeplerOrbit* only_orbit = nullptr;  // of the only point mass
+  double only_mu_m3_s2 = 0.0;
+  Vector3 constant = Vector3::Zero(), outside = Vector3::Zero();
+  Matrix3 damping = Matrix3::Zero(), magnetic_tensor_s_m4 = Matrix3::Zero();
+  double relaxation = 0.0;
+  bool served = true;
+
+  void add(const GravityGradient& one) {
+    only_orbit = pulls++ == 0 ? one.trajectory.orbit() : nullptr;
+    only_mu_m3_s2 = one.mu_m3_s2;
+  }
+  void add(const ConstantTorque& one) { (one.axes == ConstantTorque::Axes::body ? constant : outside) += one.torque; }
+  void add(const ThrusterPulse& /*one*/) {}  // a constant torque between its jumps
+  void add(const LinearDamping& one) { damping += one.coefficients; }
+  void add(const InternalDissipation& one) { relaxation += one.relaxation; }
+  void add(const EddyCurrents& one) {
+    served = served && fields++ == 0;
+    magnetic_tensor_s_m4 = one.magnetic_tensor_s_m4;
+  }
+  void add(const Sunlight& /*one*/) { served = false; }
+
+  bool plane() const { return pulls == 1 && only_orbit != nullptr && fields == 0 && outside.isZero(0.0) && relaxation == 0.0; }
 };
 
-std::optional<Parts> parts_of(const Torques& torques) {
+Parts parts_of(const Torques& torques) {
   Parts parts;
   for (const Torque& torque : torques.list()) {
-    if (const auto* pull = std::get_if<GravityGradient>(&torque)) {
-      if (parts.pull != nullptr || pull->trajectory.orbit() == nullptr) return std::nullopt;
-      parts.pull = pull;
-    } else if (const auto* constant = std::get_if<ConstantTorque>(&torque)) {
-      if (constant->axes != ConstantTorque::Axes::body) return std::nullopt;
-      parts.constant += constant->torque;
-    } else if (const auto* damping = std::get_if<LinearDamping>(&torque)) {
-      parts.damping += damping->coefficients;
-    } else if (!std::holds_alternative<ThrusterPulse>(torque)) {
-      return std::nullopt;
-    }
+    std::visit([&](const auto& one) { parts.add(one); }, torque);
   }
   return parts;
 }
 
+/// The entry of kEntries in taylor/run.hpp.
+int kinds_of(const Parts& parts) {
+  const bool damped = !parts.damping.isZero(0.0);
+  if (parts.plane()) return damped ? 3 : 2;
+  const bool more = !parts.outside.isZero(0.0) || parts.relaxation != 0.0;
+  if (parts.fields == 0 && parts.pulls == 0) return more ? 4 : damped ? 1 : 0;
+  return more || damped || parts.fields > 0 ? 6 : 5;
+}
+
 /// A step that is not taken, of a span without length.
 taylor::StepStart start_of_step(const taylor::Front& front, int order) {
-  taylor::StepStart start{front.t_high, front.t_low, {}, {}, order};
+  taylor::StepStart start{front.t_high, front.t_low, {}, {}, order, 1};
   for (int k = 0; k < taylor::kMostVectors; ++k) std::copy_n(front.high[k], 3, start.state[k]);
   for (int i = 0; i < 3; ++i) start.orbit[i] = static_cast<double>(front.orbit[i]);
   return start;
 }
 
-/// The fixed axes: of the orbit, if there is one.
-Matrix3Of<Extended> fixed_axes(const Torques& torques) {
-  const std::optional<Parts> parts = parts_of(torques);
-  if (parts->pull == nullptr) return Matrix3Of<Extended>::Identity();
-  const auto [x, y] = parts->pull->trajectory.orbit()->axes();
+/// The fixed axes: of the orbit, if it is alone.
+Matrix3Of<Extended> fixed_axes(const Parts& parts) {
+  if (!parts.plane()) return Matrix3Of<Extended>::Identity();
+  const auto [x, y] = parts.only_orbit->axes();
   Matrix3Of<Extended> axes;
   axes << x, y, x.cross(y);
   return axes;
 }
 
 taylor::Problem problem_of(const Vector3& I, const Torques& torques, double unit_s) {
-  const Parts parts = parts_of(torques).value();
+  const Parts parts = parts_of(torques);
   taylor::Problem problem;
   problem.unit_s = unit_s;
+  problem.kinds = kinds_of(parts);
+  problem.slip = static_cast<Extended>(parts.relaxation) * I[0] / unit_s;
   for (int i = 0; i < 3; ++i) {
-    const Extended a = I[(i + 1) % 3], b = I[(i + 2) % 3], c = I[i];
+    const Extended a = I[(i + 1) % 3], b = I[(i + 2) % 3], c = I[i], first = I[0];
     problem.euler_weights[i] = (a - b) / c;
+    problem.moments[i] = c / first;
+    problem.inverse_moments[i] = first / c;
     problem.constant[i] = parts.constant[i] / c * unit_s * unit_s;
-    for (int k = 0; k < 3; ++k) problem.damping[k][i] = -parts.damping(i, k) / c * unit_s;
+    problem.outside[i] = parts.outside[i] / first * unit_s * unit_s;
+    for (int k = 0; k < 3; ++k) {
+      problem.damping[k][i] = -parts.damping(i, k) / c * unit_s;
+      problem.magnetic_tensor[k][i] = parts.magnetic_tensor_s_m4(i, k) / I[0] * unit_s;
+    }
   }
-  const bool damped = !parts.damping.isZero(0.0);
-  problem.kinds = damped ? 1 : 0;
-  if (parts.pull == nullptr) return problem;
-  const KeplerOrbit& orbit = *parts.pull->trajectory.orbit();
-  const KeplerElements& elements = orbit.elements();
-  taylor::Problem::Orbit& o = problem.orbit;
-  o.orbit = &orbit;
-  o.eccentricity = elements.eccentricity;
-  o.parameter_m = elements.periapsis_m * (Extended(1) + elements.eccentricity);
-  o.rate = std::sqrt(parts.pull->mu_m3_s2 / o.parameter_m) / o.parameter_m * unit_s;
-  problem.kinds += 2;
+  if (parts.plane()) {
+    const KeplerElements& elements = parts.only_orbit->elements();
+    taylor::Problem::Orbit& o = problem.orbit;
+    o.orbit = parts.only_orbit;
+    o.eccentricity = elements.eccentricity;
+    o.parameter_m = elements.periapsis_m * (Extended(1) + elements.eccentricity);
+    o.rate = std::sqrt(parts.only_mu_m3_s2 / o.parameter_m) / o.parameter_m * unit_s;
+  }
   return problem;
 }
 
@@ -169,7 +192,7 @@ class SeriesMotion::Builder {
   Builder(const FreeBody& body, const Torques& torques, const Options& options, std::size_t most)
       : body_(body),
         options_(options),
-        axes_(fixed_axes(torques)),
+        axes_(fixed_axes(parts_of(torques))),
         unit_s_(unit_of_time_s(body, torques, options.last_s - options.first_s)),
         left_(most) {
     const double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
@@ -184,8 +207,8 @@ class SeriesMotion::Builder {
       std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
       double from_s = 0.0;
       for (const double to_s : ends) {
-        Leg leg{{}, torques.during(0.5 * (from_s + to_s)), Quaternion(ExtendedQuaternion(axes_).cast<double>()), {}, to_s};
-        leg.problem = problem_of(body.principal_moments, leg.torques, unit_s_);
+        Leg leg{{}, std::make_shared<const Torques>(torques.during(0.5 * (from_s + to_s))), Quaternion(ExtendedQuaternion(axes_).cast<double>()), {}, to_s};
+        leg.problem = problem_of(body.principal_moments, *leg.torques, unit_s_);
         (forward ? forward_ : backward_).push_back(std::move(leg));
         from_s = to_s;
       }
@@ -201,6 +224,7 @@ class SeriesMotion::Builder {
     const double end = legs.back().end_s / unit_s_;
     for (std::size_t l = 0; l < legs.size(); ++l) {
       Leg& leg = legs[l];
+      leg.problem.torques = leg.torques.get();
       front.until_exact_orbit = 0;
       front.longest = std::numeric_limits<double>::max();
       const double leg_end = leg.end_s / unit_s_;
@@ -239,11 +263,11 @@ class SeriesMotion::Builder {
   taylor::Front start() const {
     taylor::Front front;
     const ExtendedQuaternion q = body_.q_inertial_from_body.cast<Extended>().normalized();
-    Vector3Of<Extended> vectors[3];
+    Vector3Of<Extended> vectors[taylor::kMostVectors];
     vectors[0] = body_.momentum_body.cast<Extended>().cwiseQuotient(body_.principal_moments.cast<Extended>()) *
                  static_cast<Extended>(unit_s_);
-    for (int k = 0; k < 2; ++k) vectors[1 + k] = q.conjugate() * Vector3Of<Extended>(axes_.col(k));
-    for (int k = 0; k < 3; ++k) {
+    for (int k = 0; k < 3; ++k) vectors[1 + k] = q.conjugate() * Vector3Of<Extended>(axes_.col(k));
+    for (int k = 0; k < taylor::kMostVectors; ++k) {
       for (int i = 0; i < 3; ++i) {
         front.high[k][i] = static_cast<double>(vectors[k][i]);
         front.low[k][i] = static_cast<double>(vectors[k][i] - front.high[k][i]);
@@ -278,7 +302,7 @@ class SeriesMotion::Builder {
   double worst_rad_ = 0.0, largest_local_error_ = 0.0;
 };
 
-bool SeriesMotion::serves(const Torques& torques) { return parts_of(torques).has_value(); }
+bool SeriesMotion::serves(const Torques& torques) { return parts_of(torques).served; }
 
 SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options)
     : moments_(body.principal_moments) {
@@ -291,8 +315,10 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
     whole_ = builder.run(local_error, most_local_error, precise, forward_, true);
     whole_ = builder.run(local_error, most_local_error, precise, backward_, false) && whole_;
     kept_coefficients_ = builder.coefficients() - before;
+    const double before_rad = error_rad_;
     error_rad_ = SteppingTuning::safety * builder.worst_rad();
     if (!whole_ || error_rad_ <= options.tolerance_rad) break;
+    if (run > 1 && precise && error_rad_ > 0.3 * before_rad) break;  // roundings that grow: finer steps change nothing
     most_local_error = local_error = 0.1 * builder.largest_local_error() * options.tolerance_rad / error_rad_;
     if (local_error < 1e-17) precise = true;
   }

@@ -40,7 +40,7 @@ class SeriesMotion final : public Motion {
   /// Between two jumps of the torques, away from t = 0.
   struct Leg {
     taylor::Problem problem;
-    Torques torques;  // whose orbits the problem points to
+    std::shared_ptr<const Torques> torques;  // that the problem points to
     Quaternion inertial_from_fixed;  // of the fixed axes
     std::vector<taylor::StepStart> steps;
     double end_s = 0.0;

@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-constexpr std::string_view kVariation = "variation";
+constexpr std::string_view kSeries = "series";
 constexpr std::string_view kExtrapolationInDouble = "extrapolation-double";
 constexpr std::string_view kExtrapolation = "extrapolation";
 constexpr std::string_view kAuto = "auto";
@@ -22,14 +22,8 @@ constexpr double kLongestTurn_rad = 6.0;  // of one step: about what the kernel 
 constexpr double kSafety = 5.0;           // two runs that differ by rounding tell its size no better
 constexpr int kMostRefinements = 8;
 constexpr double kTimeScaleShare = 0.7;  // of a step in r/v: an encounter is never stepped over
-// Of variation: the first run's tolerance, of what is asked for, and the next one's; measured over the torqued bodies
-// in data/truth.
-constexpr double kLooserVariation = 0.5;
-constexpr double kFinerVariation = 1.0 / 16.0;
-constexpr double kSafetyOfVariation = 5.0;
 // By which one of two runs starts aside, where digits are doubles.
 constexpr double kAside = 2e-16;
-constexpr std::size_t kManyWindows = 50;
 // Of extrapolation: its estimates are of the order below, and far too large. What halved steps gain is claimed in long
 // double only, where it is not rounding that keeps two runs apart.
 constexpr double kLooserExtrapolation = 1e2, kLooserExtrapolationInDouble = 100.0;
@@ -78,7 +72,7 @@ std::string_view outcome_name(Outcome outcome) {
 }
 
 std::span<const std::string_view> torqued_motion_methods() {
-  static constexpr std::string_view all[] = {kAuto, kVariation, kExtrapolationInDouble, kExtrapolation};
+  static constexpr std::string_view all[] = {kAuto, kSeries, kExtrapolationInDouble, kExtrapolation};
   return all;
 }
 
@@ -103,7 +97,7 @@ class TorquedMotion::Builder {
       double from_s = 0.0;
       for (const double to_s : ends) {
         (forward ? forward_ : backward_)
-            .push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}, nullptr});
+            .push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}});
         from_s = to_s;
       }
     }
@@ -111,7 +105,6 @@ class TorquedMotion::Builder {
 
   static Way way(std::string_view name, const TorquedOptions& options) {
     if (options.splitting != nullptr) return {.scheme = options.splitting};
-    if (name == kVariation) return {.variation = true};
     if (name == kExtrapolation) return {.extended = true};
     if (name == kExtrapolationInDouble) return {};
     throw InputError(fmt::format("unknown method '{:.40}' under torques, allowed are {}", name,
@@ -154,8 +147,7 @@ class TorquedMotion::Builder {
     tolerance_rad_ = tolerance_rad;
     aside_ = !aside_;
     forward = forward_, backward = backward_;
-    const auto reach_the_end = [this](Path& path) { return way_.variation ? vary(path) : choose_steps(path); };
-    if (reach_the_end(forward)) return reach_the_end(backward);
+    if (choose_steps(forward)) return choose_steps(backward);
     end_in(backward, 0);  // the start alone
     backward.front().nodes.assign(1, {0.0, start_});
     return false;
@@ -163,12 +155,10 @@ class TorquedMotion::Builder {
 
   /// The same paths, finer; false as above.
   bool finer_paths(const Path& forward, const Path& backward, Path& finer_forward, Path& finer_backward) {
-    if (way_.variation) return first_paths(kFinerVariation * tolerance_rad_, finer_forward, finer_backward);
     return halve(forward, finer_forward) && halve(backward, finer_backward);
   }
 
-  /// Largest angle between a path and the finer one, at the ends of the steps of the coarse one, and within its
-  /// windows; NaN if one is.
+  /// Largest angle between a path and the finer one, at the ends of the steps of the coarse one; NaN if one is.
   double difference_rad(const Path& coarse, const Path& fine) const {
     double worst = 0.0;
     const auto compare = [&worst](const ExtendedState& a, const ExtendedState& b) {
@@ -176,18 +166,6 @@ class TorquedMotion::Builder {
       if (!(angle <= worst) && !std::isnan(worst)) worst = angle;
     };
     for (std::size_t l = 0; l < coarse.size(); ++l) {
-      if (const Variation* variation = coarse[l].variation.get()) {
-        constexpr std::array parts{0.13, 0.53, 1.0};
-        const bool many = variation->windows() > kManyWindows;  // which tell as much by one part each, in turn
-        for (std::size_t i = 0; i < variation->windows(); ++i) {
-          for (std::size_t k = 0; k < parts.size(); ++k) {
-            if (many && k != i % parts.size()) continue;
-            const double t_s = variation->time_in_window_s(i, parts[k]);
-            compare(extended(variation->at(t_s)), extended(fine[l].variation->at(t_s)));
-          }
-        }
-        continue;
-      }
       for (std::size_t i = 0; i < coarse[l].nodes.size(); ++i) {
         compare(coarse[l].nodes[i].state, fine[l].nodes[2 * i].state);
       }
@@ -210,7 +188,6 @@ class TorquedMotion::Builder {
   }
 
   std::size_t evaluations() const { return evaluations_; }
-  std::size_t gradients() const { return gradients_; }
 
  private:
   /// The start but for a rounding: what grows from it shows in the difference of two runs.
@@ -226,27 +203,6 @@ class TorquedMotion::Builder {
   static bool end_in(Path& path, std::size_t l) {
     path.erase(path.begin() + static_cast<std::ptrdiff_t>(l) + 1, path.end());
     return false;
-  }
-
-  bool vary(Path& path) {
-    ExtendedState state = aside_ ? start_aside() : start_;
-    for (std::size_t l = 0; l < path.size(); ++l) {
-      Leg& leg = path[l];
-      const ExtendedState start = state;
-      const double from_s = leg.nodes.front().t_s, to_s = leg.nodes.back().t_s;
-      if (evaluations_ >= most_evaluations_) {
-        leg.nodes = {{from_s, start}};
-        return end_in(path, l);
-      }
-      leg.variation = std::make_shared<const Variation>(moments_, start, from_s, to_s, leg.torques, tolerance_rad_,
-                                                        most_evaluations_ - evaluations_);
-      evaluations_ += leg.variation->torque_evaluations();
-      gradients_ += leg.variation->gradients();
-      state = extended(leg.variation->at(leg.variation->reached_s()));
-      leg.nodes = {{from_s, start}, {leg.variation->reached_s(), state}};
-      if (!leg.variation->whole()) return end_in(path, l);
-    }
-    return true;
   }
 
   /// The same path with every step in two; false as above.
@@ -360,8 +316,26 @@ class TorquedMotion::Builder {
   bool aside_ = false;
   ExtendedState start_;
   Path forward_, backward_;  // one leg per stretch between jumps, with its two ends as nodes
-  std::size_t evaluations_ = 0, gradients_ = 0;
+  std::size_t evaluations_ = 0;
 };
+
+void TorquedMotion::follow_series(const FreeBody& body, const Torques& torques, const TorquedOptions& options) {
+  if (!SeriesMotion::serves(torques)) {
+    throw InputError("a torque here has no series: facets in sunlight, or the currents of several fields");
+  }
+  series_ = std::make_shared<const SeriesMotion>(
+      body, torques,
+      SeriesMotion::Options{options.tolerance_rad, options.first_s, options.last_s, options.max_torque_evaluations});
+  method_ = kSeries;
+  first_s_ = series_->first_s();
+  last_s_ = series_->last_s();
+  error_rad_ = series_->error_rad();
+  evaluations_ = series_->coefficients();
+  kept_evaluations_ = series_->kept_coefficients();
+  outcome_ = !series_->whole()                       ? Outcome::stopped
+             : error_rad_ <= options.tolerance_rad ? Outcome::done
+                                                   : Outcome::tolerance_not_reachable;
+}
 
 TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named, const TorquedOptions& options)
     : moments_(checked(body).principal_moments), tolerance_rad_(options.tolerance_rad) {
@@ -375,22 +349,23 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named,
   const double phase_rad =
       body.momentum_body.cwiseQuotient(moments_).norm() * std::max(options.last_s, -options.first_s);
   if (methods.front() == kAuto) {
-    methods = {kVariation, kExtrapolationInDouble, kExtrapolation};
+    methods = {kExtrapolationInDouble, kExtrapolation};
     if (rounding_of_doubles_rad(phase_rad) > options.tolerance_rad) methods = {kExtrapolation};
+    if (SeriesMotion::serves(torques)) methods = {kSeries};
+  }
+  if (methods.front() == kSeries) {
+    follow_series(body, torques, options);
+    return;
   }
   for (const std::string_view name : methods) {
     const bool last = name == methods.back();
     Builder builder(body, torques, options, name, evaluations_);
     way_ = Builder::way(name, options);
-    method_ = way_.variation           ? kVariation
-              : way_.scheme != nullptr ? way_.scheme->name
-              : way_.extended          ? kExtrapolation
-                                       : kExtrapolationInDouble;  // not `name`, which may be the caller's
+    method_ = way_.scheme != nullptr ? way_.scheme->name
+              : way_.extended        ? kExtrapolation
+                                     : kExtrapolationInDouble;  // not `name`, which may be the caller's
     double gain = 1.0, looser = 1.0, safety = kSafety;
-    if (way_.variation) {
-      safety = kSafetyOfVariation;
-      looser = kLooserVariation;
-    } else if (way_.scheme == nullptr) {
+    if (way_.scheme == nullptr) {
       gain = way_.extended ? kGainOfExtrapolation : kGainOfExtrapolationInDouble;
       looser = way_.extended ? kLooserExtrapolation : kLooserExtrapolationInDouble;
     }
@@ -425,7 +400,6 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named,
       }
     }
     evaluations_ += builder.evaluations();
-    gradients_ += builder.gradients();
     const bool out_of_evaluations = evaluations_ >= options.max_torque_evaluations;
     if (outcome_ != Outcome::done) {
       if (!last && !out_of_evaluations) continue;
@@ -449,25 +423,37 @@ MotionAccount TorquedMotion::account() const {
     account.error_meaning = "nothing is promised: the end of the span was not reached";
     return account;
   }
+  const std::string found =
+      series_ ? fmt::format("carried along with the motion: {:.1e} rad", error_rad_)
+              : fmt::format("two runs agree to {:.1e} rad", error_rad_);
   if (outcome_ == Outcome::done) {
     account.max_error_rad = tolerance_rad_;
-    account.error_meaning = fmt::format(
-        "two runs agree to {:.1e} rad; the numbers of the body and its torques are taken as exact", error_rad_);
+    account.error_meaning = found + "; the numbers of the body and its torques are taken as exact";
   } else {
-    account.error_meaning = fmt::format("nothing is promised: two runs agree to {:.1e} rad only", error_rad_);
+    account.error_meaning = fmt::format("nothing is promised: {} only", found);
   }
   return account;
 }
 
 std::size_t TorquedMotion::steps() const {
+  if (series_) return series_->steps();
   std::size_t count = 0;
   for (const Path* path : {&forward_, &backward_}) {
-    for (const Leg& leg : *path) count += leg.variation ? leg.variation->windows() : leg.nodes.size() - 1;
+    for (const Leg& leg : *path) count += leg.nodes.size() - 1;
   }
   return count;
 }
 
+void TorquedMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+  if (series_) {
+    series_->batch(times, out);
+  } else {
+    Motion::batch(times, out);
+  }
+}
+
 State TorquedMotion::at(double t_high_s, double t_low_s) const {
+  if (series_) return series_->at(t_high_s, t_low_s);
   if (std::isnan(t_high_s + t_low_s)) return nan_state();
   const double room_s = end_room_s(last_s_ - first_s_);
   if (!(t_high_s >= first_s_ - room_s && t_high_s <= last_s_ + room_s)) {
@@ -480,7 +466,6 @@ State TorquedMotion::at(double t_high_s, double t_low_s) const {
   const double away_s = std::abs(t_high_s);
   const Leg& leg =
       *std::find_if(path.begin(), path.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.nodes.back().t_s); });
-  if (leg.variation) return leg.variation->at(t_high_s, t_low_s);
   const auto after = std::upper_bound(leg.nodes.begin(), leg.nodes.end(), away_s,
                                       [](double t, const Node& node) { return t < std::abs(node.t_s); });
   const Node& node = *(after == leg.nodes.begin() ? after : after - 1);

@@ -8,8 +8,8 @@
 
 #include "polhode/motion/extrapolation.hpp"
 #include "polhode/motion/motion.hpp"
+#include "polhode/motion/series_motion.hpp"
 #include "polhode/motion/splitting.hpp"
-#include "polhode/motion/variation.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
@@ -27,12 +27,11 @@ struct TorquedOptions {
   double tolerance_rad = 1e-9;
   /// The span, which holds t = 0.
   double first_s = 0.0, last_s = 0.0;
-  /// One of torqued_motion_methods(). "variation": variation of constants around the exact motion;
-  /// "extrapolation-double"; "extrapolation" in long double; or "auto": variation where the torques are small enough
-  /// for it, else extrapolation, in long double where doubles cannot meet the tolerance. The motion keeps no view of
-  /// it.
+  /// One of torqued_motion_methods(). "series": power series in time (SeriesMotion); "extrapolation-double";
+  /// "extrapolation" in long double; or "auto": series where all torques have them, else extrapolation, in long double
+  /// where doubles cannot meet the tolerance. The motion keeps no view of it.
   std::string_view method = "auto";
-  /// Of all runs together.
+  /// Of all runs together: evaluations of the torques, or coefficients of series.
   std::size_t max_torque_evaluations = 100'000'000;
   /// If not null, steps of this splitting, with lengths chosen by their error, take the place of `method`. The scheme
   /// must outlive the motion.
@@ -48,14 +47,13 @@ double rounding_of_doubles_rad(double phase_rad);
 
 /// The motion of a rigid body under torques, from t = 0 both ways, computed once and answered at any time.
 ///
-/// Steps are chosen by an estimate of their error, weighted by how a change of momentum grows until the end: by the
-/// last Chebyshev coefficients (variation), or by doing each step whole and in halves (splitting). That says nothing
-/// about how errors grow on a chaotic path, so the whole span is then done again, finer, until two such runs agree
-/// within the tolerance; error_rad() is their difference (the finer one is kept, whose error is smaller still). Where
-/// rounding keeps them apart, extrapolation in long double takes over. Torques with kinks (Torques::smooth()) do not
-/// let the error fall as steps shorten: for them error_rad() is four times the difference. Between the ends of steps a
-/// state comes from the polynomials of the variation, or is a shorter step of the same method from the last end: full
-/// order everywhere.
+/// By series: see SeriesMotion. Otherwise steps are chosen by an estimate of their error, weighted by how a change of
+/// momentum grows until the end: by doing each step whole and in halves (splitting), or from the columns of the
+/// extrapolation. That says nothing about how errors grow on a chaotic path, so the whole span is then done again, finer,
+/// until two such runs agree within the tolerance; error_rad() is their difference (the finer one is kept, whose error
+/// is smaller still). Where rounding keeps them apart, extrapolation in long double takes over. Torques with kinks
+/// (Torques::smooth()) do not let the error fall as steps shorten: for them error_rad() is four times the difference.
+/// Between the ends of steps a state is a shorter step of the same method from the last end: full order everywhere.
 class TorquedMotion final : public Motion {
  public:
   /// Torques are in the axes of body.named_from_principal, as Torques says. Throws InputError for what checked()
@@ -64,6 +62,7 @@ class TorquedMotion final : public Motion {
 
   /// Throws InputError for a time beyond what was propagated by more than end_room_s(); NaN gives NaN.
   State at(double t_high_s, double t_low_s = 0.0) const override;
+  void batch(const TimeArrays& times, const StateArrays& out) const override;
 
   Outcome outcome() const { return outcome_; }
   const std::string& method() const { return method_; }  ///< the one that gave the states
@@ -76,7 +75,6 @@ class TorquedMotion final : public Motion {
   std::size_t steps() const;                                                 ///< kept
   std::size_t torque_evaluations() const { return evaluations_; }            ///< of all runs
   std::size_t kept_torque_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
-  std::size_t torque_gradients() const { return gradients_; }                ///< derivatives by the attitude, besides
 
  private:
   struct Node {
@@ -85,18 +83,17 @@ class TorquedMotion final : public Motion {
   };
   /// How to go on.
   struct Way {
-    bool variation = false;
-    const SplittingScheme* scheme = nullptr;  ///< null: variation or extrapolation
+    const SplittingScheme* scheme = nullptr;  ///< null: extrapolation
     bool extended = false;                    ///< extrapolation in long double
   };
   /// Nodes between two jumps of the torques, away from t = 0.
   struct Leg {
     Torques torques;
     std::vector<Node> nodes;
-    std::shared_ptr<const Variation> variation;  ///< then the nodes are its ends
   };
   using Path = std::vector<Leg>;  // one direction, from t = 0 outward
   class Builder;
+  void follow_series(const FreeBody& body, const Torques& torques, const TorquedOptions& options);
 
   Vector3 moments_;
   Way way_;
@@ -106,7 +103,8 @@ class TorquedMotion final : public Motion {
   std::string method_;
   double tolerance_rad_ = 0.0;
   double error_rad_ = 0.0;
-  std::size_t evaluations_ = 0, kept_evaluations_ = 0, gradients_ = 0;
+  std::size_t evaluations_ = 0, kept_evaluations_ = 0;
+  std::shared_ptr<const SeriesMotion> series_;  // or null
 };
 
 }  // namespace polhode

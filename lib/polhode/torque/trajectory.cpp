@@ -50,16 +50,22 @@ void check(const OrbitTable& table) {
   }
 }
 
-template <class Real>
-OrbitState<Real> interpolated(const OrbitTable& table, Real t_s) {
-  const auto after =
-      std::upper_bound(table.times_s.begin(), table.times_s.end(), static_cast<double>(t_s)) - table.times_s.begin();
+/// The first of the rows through which the polynomial goes between row `after` and the one before it.
+std::size_t first_row(const OrbitTable& table, std::ptrdiff_t after) {
   const auto rows = static_cast<std::ptrdiff_t>(points(table)),
              count = static_cast<std::ptrdiff_t>(table.times_s.size());
-  const auto first = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - (rows + 1) / 2, 0, count - rows));
+  return static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - (rows + 1) / 2, 0, count - rows));
+}
+
+template <class Real>
+OrbitState<Real> interpolated(const OrbitTable& table, Real t_s) {
+  const std::size_t rows = points(table);
+  const std::size_t first = first_row(table, std::upper_bound(table.times_s.begin(), table.times_s.end(),
+                                                              static_cast<double>(t_s)) -
+                                                 table.times_s.begin());
   // Neville's scheme, with its derivative by t beside it. With velocities each row is two nodes at the same time,
   // between which the slope is the velocity.
-  const std::size_t of_row = table.velocities_m_s.empty() ? 1 : 2, nodes = of_row * static_cast<std::size_t>(rows);
+  const std::size_t of_row = table.velocities_m_s.empty() ? 1 : 2, nodes = of_row * rows;
   Vector3Of<Real> p[kHighestDegree + 1], v[kHighestDegree + 1];
   for (std::size_t i = 0; i < nodes; ++i) {
     p[i] = table.positions_m[first + i / of_row].template cast<Real>();
@@ -103,15 +109,56 @@ std::vector<double> TabulatedOrbit::seams_s() const {
   return times_s;
 }
 
+TabulatedOrbit::Piece TabulatedOrbit::piece(double t_s, bool forward) const {
+  const OrbitTable& table = table_at(t_s);
+  const std::vector<double>& times = table.times_s;
+  std::ptrdiff_t after =
+      (forward ? std::upper_bound(times.begin(), times.end(), t_s) : std::lower_bound(times.begin(), times.end(), t_s)) -
+      times.begin();
+  after = std::clamp<std::ptrdiff_t>(after, 1, static_cast<std::ptrdiff_t>(times.size()) - 1);
+  const std::size_t first = first_row(table, after), rows = points(table);
+  const std::size_t of_row = table.velocities_m_s.empty() ? 1 : 2, nodes = of_row * rows;
+  // Newton's form, from divided differences; with velocities each row is two nodes at the same time.
+  using Extended = long double;
+  Vector3Of<Extended> difference[kHighestDegree + 1], sum[kHighestDegree + 1];
+  const auto time = [&](std::size_t node) -> Extended { return times[first + node / of_row]; };
+  for (std::size_t i = 0; i < nodes; ++i) difference[i] = table.positions_m[first + i / of_row].cast<Extended>();
+  for (std::size_t k = 1; k < nodes; ++k) {
+    for (std::size_t i = nodes - 1; i >= k; --i) {
+      if (time(i) == time(i - k)) {
+        difference[i] = table.velocities_m_s[first + i / of_row].cast<Extended>();
+      } else {
+        difference[i] = (difference[i] - difference[i - 1]) / (time(i) - time(i - k));
+      }
+    }
+  }
+  sum[0] = difference[nodes - 1];
+  for (std::size_t k = 1; k < nodes; ++k) sum[k].setZero();
+  for (std::size_t i = nodes - 1; i-- > 0;) {
+    const Extended back = t_s - time(i);
+    for (std::size_t k = nodes - 1; k > 0; --k) sum[k] = sum[k] * back + sum[k - 1];
+    sum[0] = sum[0] * back + difference[i];
+  }
+  Piece piece{};
+  piece.degree = static_cast<int>(nodes) - 1;
+  for (std::size_t k = 0; k < nodes; ++k) piece.coefficients[k] = sum[k].cast<double>();
+  const auto end = static_cast<std::size_t>(forward ? after : after - 1);
+  piece.end_s = forward ? std::min(times[end], table.last_s()) : std::max(times[end], table.first_s());
+  return piece;
+}
+
+const OrbitTable& TabulatedOrbit::table_at(double t_s) const {
+  return *std::find_if(tables_.rbegin(), tables_.rend() - 1,
+                       [t_s](const OrbitTable& table) { return table.first_s() <= t_s; });
+}
+
 template <class Real>
 OrbitState<Real> TabulatedOrbit::state(Real t_s) const {
   if (!(t_s >= Real(first_s()) && t_s <= Real(last_s()))) {
     throw InputError(fmt::format("the trajectory covers {} s to {} s, it was asked for at {} s", first_s(), last_s(),
                                  static_cast<double>(t_s)));
   }
-  const auto later = std::find_if(tables_.rbegin(), tables_.rend() - 1,
-                                  [t_s](const OrbitTable& table) { return Real(table.first_s()) <= t_s; });
-  return interpolated(*later, t_s);
+  return interpolated(table_at(static_cast<double>(t_s)), t_s);
 }
 
 template OrbitState<double> TabulatedOrbit::state(double) const;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <variant>
@@ -37,12 +38,23 @@ class TabulatedOrbit {
   template <class Real>
   OrbitState<Real> state(Real t_s) const;
 
+  /// The polynomial in use just after (forward) or just before a time, and how far it is.
+  struct Piece {
+    std::array<Vector3, 16> coefficients;  ///< of the position, in powers of the time since then
+    int degree;
+    double end_s;
+  };
+  /// Throws as state().
+  Piece piece(double t_s, bool forward) const;
+
   double first_s() const { return tables_.front().first_s(); }
   double last_s() const { return tables_.back().last_s(); }
   /// Where one table follows another.
   std::vector<double> seams_s() const;
 
  private:
+  const OrbitTable& table_at(double t_s) const;
+
   std::vector<OrbitTable> tables_;
 };
 

@@ -5,25 +5,59 @@
 
 namespace polhode::taylor {
 
-/// The orbit at a time, in the form of Front::orbit (series_motion.cpp).
-void exact_orbit(const Problem& problem, double t_high, double t_low, long double (&state)[3]);
-
 inline namespace POLHODE_TARGET {
 
 /// Orders that are computed in twice as many digits, where doubles do not hold the tolerance: what the next ones lose
 /// is less by the ratio of their terms to the state.
 inline constexpr int kPreciseOrders = 5;
 
+template <int fixed_axes>
 struct NoSurroundings {
-  static constexpr int axes = 2;
+  static constexpr int axes = fixed_axes;
   explicit NoSurroundings(const Problem& /*problem*/) {}
-  void begin(const double (&/*state*/)[3], double /*longest*/) {}
+  void begin(const StepStart& /*start*/, int /*order*/, double /*longest*/) {}
   void next(int /*n*/) {}
   void find_precise(const long double (&/*state*/)[3]) {}
   double strength() const { return 0.0; }
   double longest() const { return 1e300; }
   template <bool precise>
   void move(double /*h*/, int /*order*/, long double (&/*state*/)[3]) const {}
+};
+
+/// Any others, as series that find_surroundings() gives.
+class AnySurroundings {
+ public:
+  static constexpr int axes = 3;
+  explicit AnySurroundings(const Problem& problem) : problem_(problem) {}
+  void begin(const StepStart& start, int order, double longest) {
+    find_surroundings(problem_, start, order, longest, now_);
+  }
+  void next(int /*n*/) {}
+  void find_precise(const long double (&/*state*/)[3]) {
+    for (int n = 0; n <= kPreciseOrders; ++n) {
+      for (int i = 0; i < 6; ++i) low_.tide[i][n] = {now_.tide[i][n], 0.0};
+      for (int i = 0; i < 3; ++i) low_.field[i][n] = {now_.field[i][n], 0.0};
+      for (int i = 0; i < 3; ++i) low_.change[i][n] = {now_.change[i][n], 0.0};
+    }
+  }
+  double strength() const {
+    return __builtin_sqrt(__builtin_fabs(now_.tide[0][0]) + __builtin_fabs(now_.tide[1][0]) +
+                          __builtin_fabs(now_.tide[2][0]));
+  }
+  double longest() const { return now_.longest; }
+  template <bool precise>
+  void move(double /*h*/, int /*order*/, long double (&/*state*/)[3]) const {}
+
+  const Surroundings& of(double /*like*/) const { return now_; }
+  const auto& of(TwoParts /*like*/) const { return low_; }
+
+ private:
+  struct Low {
+    TwoParts tide[6][kPreciseOrders + 1], field[3][kPreciseOrders + 1], change[3][kPreciseOrders + 1];
+  };
+  const Problem& problem_;
+  Surroundings now_;
+  Low low_;
 };
 
 /// p = sqrt(3 mu/r^5) r on a Kepler orbit, as series. With the true anomaly's cosine c and sine s, v^2 = 1 + e c and
@@ -45,8 +79,8 @@ class PlanarOrbit {
         exact_rate_(problem.orbit.rate) {}
 
   /// The first coefficient; those after it come one by one, as far as they count within `longest`.
-  void begin(const double (&state)[3], double longest) {
-    c_[0] = state[0], s_[0] = state[1], v_[0] = state[2];
+  void begin(const StepStart& start, int /*order*/, double longest) {
+    c_[0] = start.orbit[0], s_[0] = start.orbit[1], v_[0] = start.orbit[2];
     longest_ = longest, power_ = 1.0, orders_ = kMostOrder;
     next(0);
   }

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 namespace polhode {
 class KeplerOrbit;
-}
+class Torques;
+}  // namespace polhode
 
 namespace polhode::taylor {
 
@@ -23,6 +25,15 @@ struct Problem {
   long double euler_weights[3];      ///< (I2 - I3)/I1, ...
   long double constant[3] = {};      ///< the torque that keeps its components, over the moments
   long double damping[3][3] = {};    ///< [column][row] of -D, over the moments
+
+  long double outside[3] = {};       ///< the torque that keeps its components along the fixed axes
+  long double inverse_moments[3];    ///< beside the first
+  long double slip = 0.0;            ///< k of internal dissipation, times the first moment and the unit of rate
+  long double moments[3];            ///< over the first
+  double magnetic_tensor[3][3] = {}; ///< [column][row] of M, over the first moment: B^2 times it is a rate
+
+  /// Of what else moves: series of the tide and of a magnetic field are found from these.
+  const Torques* torques = nullptr;
 
   /// The only point mass, and the orbit about it.
   struct Orbit {
@@ -55,6 +66,7 @@ struct StepStart {
   double state[kMostVectors][3];
   double orbit[3];
   int order;
+  int direction;  ///< of time: 1 or -1
   int sign = 1;  ///< of the quaternion
 };
 
@@ -65,6 +77,18 @@ struct Stepping {
   int order;
   bool precise;           ///< low orders in double-double
 };
+
+/// Series in time of what the torques from outside depend on, along the fixed axes.
+struct Surroundings {
+  double tide[6][kMostOrder + 1];    ///< sum of 3 mu r r^T/r^5: 11, 22, 33, 23, 31, 12
+  double field[3][kMostOrder + 1];   ///< magnetic, over the unit of the tensor
+  double change[3][kMostOrder + 1];  ///< of the field
+  double longest;                    ///< how far they hold
+};
+/// About the start of a step (surroundings.cpp).
+void find_surroundings(const Problem& problem, const StepStart& start, int order, double longest, Surroundings& out);
+/// The orbit at a time, in the form of Front::orbit.
+void exact_orbit(const Problem& problem, double t_high, double t_low, long double (&state)[3]);
 
 struct Kernel {
   const char* name;
@@ -80,5 +104,7 @@ struct Kernel {
 
 /// For the instruction set of ThetaMotion::best_target().
 const Kernel& best_kernel();
+/// All that this machine has, the simplest first.
+std::vector<const Kernel*> kernels();
 
 }  // namespace polhode::taylor

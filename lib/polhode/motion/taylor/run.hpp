@@ -31,7 +31,7 @@ struct Engine {
       set_lane(series.constant, i, problem.constant[i]);
     }
     [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
-      (set_kind(std::get<k>(series.torques)), ...);
+      (set_kind<std::remove_cvref_t<decltype(series.euler_weights)>>(std::get<k>(series.torques)), ...);
     }(std::index_sequence_for<Kinds<Vector, 1>...>{});
   }
   static void set_lane(Vector& v, int i, long double value) { v[i] = static_cast<double>(value); }
@@ -39,17 +39,46 @@ struct Engine {
     v.high[i] = static_cast<double>(value);
     v.low[i] = static_cast<double>(value - v.high[i]);
   }
-  template <class Kind>
+  static void set_number(double& number, long double value) { number = static_cast<double>(value); }
+  static void set_number(TwoParts& number, long double value) {
+    number.high = static_cast<double>(value);
+    number.low = static_cast<double>(value - number.high);
+  }
+  template <class V, class Kind>
   void set_kind(Kind& kind) {
-    for (int i = 0; i < 3; ++i) {
-      if constexpr (requires { kind.along; }) {
-        set_lane(kind.weights, i, -problem.euler_weights[i]);
-        for (int k = 0; k < Around::axes; ++k) {
-          kind.along[k] = around.along(k, std::remove_const_t<std::remove_pointer_t<decltype(kind.along[k] + 0)>>{});
+    const auto set_all = [&](auto& vector, const long double (&values)[3]) {
+      for (int i = 0; i < 3; ++i) set_lane(vector, i, values[i]);
+    };
+    const long double(&w)[3] = problem.euler_weights;
+    if constexpr (requires { kind.weights; }) set_all(kind.weights, {-w[0], -w[1], -w[2]});
+    if constexpr (requires { kind.inverse_moments; }) set_all(kind.inverse_moments, problem.inverse_moments);
+    if constexpr (requires { kind.rate; }) {
+      const long double(&m)[3] = problem.moments;
+      set_all(kind.weights, {problem.slip * (m[1] - m[2]), problem.slip * (m[2] - m[0]), problem.slip * (m[0] - m[1])});
+      set_all(kind.moments, m);
+    }
+    if constexpr (requires { kind.components; }) {
+      for (int k = 0; k < 3; ++k) set_number(kind.components[k], problem.outside[k]);
+    }
+    if constexpr (requires { kind.columns; }) {
+      for (int k = 0; k < 3; ++k) {
+        if constexpr (requires { kind.field; }) {
+          for (int i = 0; i < 3; ++i) set_lane(kind.columns[k], i, problem.magnetic_tensor[k][i]);
+        } else {
+          set_all(kind.columns[k], problem.damping[k]);
         }
-      } else {
-        for (int c = 0; c < 3; ++c) set_lane(kind.columns[c], i, problem.damping[c][i]);
       }
+    }
+    if constexpr (requires { around.of(Number<V>{}); }) {
+      const auto& series = around.of(Number<V>{});
+      if constexpr (requires { kind.along; }) {
+        for (int k = 0; k < 6; ++k) kind.along[k] = series.tide[k];
+      }
+      if constexpr (requires { kind.field; }) {
+        for (int k = 0; k < 3; ++k) kind.field[k] = series.field[k], kind.change[k] = series.change[k];
+      }
+    } else if constexpr (requires { kind.along; }) {
+      for (int k = 0; k < Around::axes; ++k) kind.along[k] = around.along(k, Number<V>{});
     }
   }
 
@@ -129,10 +158,11 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
     }
     StepStart& start = starts[taken++];
     start.t_high = front.t_high, start.t_low = front.t_low, start.order = order;
+    start.direction = direction > 0.0 ? 1 : -1;
     for (int i = 0; i < vectors; ++i) __builtin_memcpy(start.state[i], &high[i], sizeof start.state[i]);
     for (int i = 0; i < 3; ++i) start.orbit[i] = static_cast<double>(front.orbit[i]);
 
-    engine.around.begin(start.orbit, front.longest);
+    engine.around.begin(start, order, front.longest);
     if constexpr (precise) engine.around.find_precise(front.orbit);
     auto& plain = engine.plain;
     int known = 0;
@@ -239,7 +269,7 @@ void coefficients_of(const Problem& problem, const StepStart& start, int order, 
                   double (*out)[kMostVectors][4]) {
   using E = Engine<Around, Kinds...>;
   E engine(problem);
-  engine.around.begin(start.orbit, length);
+  engine.around.begin(start, order, length);
   for (int i = 0; i < E::vectors; ++i) {
     engine.plain.state(i).set(0, Vector{start.state[i][0], start.state[i][1], start.state[i][2], 0.0});
   }
@@ -267,11 +297,16 @@ struct Entry {
   int (*advance)(const Problem&, const Stepping&, int, Front&, StepStart*);
   void (*coefficients)(const Problem&, const StepStart&, int, double, double (*)[kMostVectors][4]);
 };
+template <class Around, template <class, int> class... Kinds>
+inline constexpr Entry kEntry = {advance<Around, Kinds...>, coefficients_of<Around, Kinds...>};
 inline constexpr Entry kEntries[] = {
-    {advance<NoSurroundings>, coefficients_of<NoSurroundings>},
-    {advance<NoSurroundings, Damping>, coefficients_of<NoSurroundings, Damping>},
-    {advance<PlanarOrbit, Pull<2>::Kind>, coefficients_of<PlanarOrbit, Pull<2>::Kind>},
-    {advance<PlanarOrbit, Pull<2>::Kind, Damping>, coefficients_of<PlanarOrbit, Pull<2>::Kind, Damping>},
+    kEntry<NoSurroundings<2>>,                                         // a torque that keeps its components
+    kEntry<NoSurroundings<2>, Damping>,                                //
+    kEntry<PlanarOrbit, Pull<2>::Kind>,                                // and one point mass
+    kEntry<PlanarOrbit, Pull<2>::Kind, Damping>,                       //
+    kEntry<NoSurroundings<3>, Damping, Outside, Slip>,                 // all that needs no surroundings
+    kEntry<AnySurroundings, Tide>,                                     // point masses on any ways
+    kEntry<AnySurroundings, Tide, Damping, Outside, Eddy, Slip>,       // everything
 };
 
 inline int advance_entry(const Problem& problem, const Stepping& stepping, int most, Front& front,

@@ -89,6 +89,24 @@ struct Series {
   template <int lower>
   using Varied = std::tuple<typename Kinds<V, orders>::template Varied<lower>...>;
 
+  /// Whether the last torque makes the axes slip in the body (Slip in kinds.hpp).
+  static constexpr bool slips = [] {
+    if constexpr (sizeof...(Kinds) > 0) {
+      using Last = std::tuple_element_t<sizeof...(Kinds) - 1, std::tuple<Kinds<V, orders>...>>;
+      return requires(Last& last) { last.rate; };
+    } else {
+      return false;
+    }
+  }();
+  /// What the axes turn with.
+  [[gnu::always_inline]] const VectorSeries<V, orders>& turning_rate() const {
+    if constexpr (slips) {
+      return std::get<sizeof...(Kinds) - 1>(torques).rate;
+    } else {
+      return body.omega;
+    }
+  }
+
   VectorSeries<V, orders>& state(int i) { return i == 0 ? body.omega : body.axis[i - 1]; }
 
   /// From the coefficients up to n, those with n + 1.
@@ -103,15 +121,15 @@ struct Series {
     };
     for (int j = 1; j < n; ++j) {
       products.add(body.omega, j, n);
-      for (int k = 0; k < axes; ++k) turn[k].add(body.axis[k], body.omega, j, n);
+      for (int k = 0; k < axes; ++k) turn[k].add(body.axis[k], turning_rate(), j, n);
       for_each_torque([&](auto& torque, auto& sum) __attribute__((always_inline)) { torque.add(body, sum, j, n); });
     }
-    add_newest(
-        [&](int j, int m) __attribute__((always_inline)) {
-          products.add(body.omega, j, m);
-          for (int k = 0; k < axes; ++k) turn[k].add(body.axis[k], body.omega, j, m);
-        },
-        n);
+    add_newest([&](int j, int m) __attribute__((always_inline)) { products.add(body.omega, j, m); }, n);
+    if constexpr (slips) std::get<sizeof...(Kinds) - 1>(torques).slip(body, products.xyz(), n);
+    for (int k = 0; k < axes; ++k) {
+      add_newest([&](int j, int m) __attribute__((always_inline)) { turn[k].add(body.axis[k], turning_rate(), j, m); },
+                 n);
+    }
     V change = {};
     if (n == 0) change = constant;
     add_product(change, products.xyz(), euler_weights);
@@ -136,15 +154,21 @@ struct Variation {
     CrossProduct<Vector> turning;
     for (int j = 0; j <= n; ++j) {
       products.add(series.body.omega, omega, j, n);
-      turning.add(turn, series.body.omega, j, n);
+      turning.add(turn, series.turning_rate(), j, n);
+    }
+    Vector turning_rate = omega.xyz[n];
+    if constexpr (Series::slips) {
+      constexpr std::size_t last = std::tuple_size_v<decltype(varied)> - 1;
+      std::get<last>(series.torques).slip_varied(*this, std::get<last>(varied), products.xyz(), n);
+      turning_rate += std::get<last>(varied).kl.xyz[n];
     }
     Vector change = {};
     add_product(change, products.xyz(), series.euler_weights);
     [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
-      (std::get<i>(series.torques).vary(*this, std::get<i>(varied), n, change), ...);
+      (std::get<i>(series.torques).vary(series, *this, std::get<i>(varied), n, change), ...);
     }(std::make_index_sequence<std::tuple_size_v<decltype(varied)>>{});
     const Vector share = all(1.0 / (n + 1));
-    turn.set(n + 1, (turning.xyz() + omega.xyz[n]) * share);
+    turn.set(n + 1, (turning.xyz() + turning_rate) * share);
     omega.set(n + 1, change * share);
   }
 };
