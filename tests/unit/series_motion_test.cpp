@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "polhode/motion/taylor/problem.hpp"
 #include "polhode/motion/theta.hpp"
-#include "polhode/motion/torqued_motion.hpp"
 
 namespace polhode {
 namespace {

@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/taylor/problem.hpp"
 #include "polhode/motion/theta.hpp"
 
 namespace polhode {
@@ -186,6 +187,19 @@ Quaternion attitude(const Quaternion& inertial_from_fixed, const double* first, 
 
 }  // namespace
 
+struct SeriesMotion::Leg {
+  taylor::Problem problem;
+  std::shared_ptr<const Torques> torques;  // that the problem points to
+  Quaternion inertial_from_fixed;          // of the fixed axes
+  std::vector<taylor::StepStart> steps;
+  double end_s = 0.0;
+};
+
+struct SeriesMotion::Place {
+  const Leg* leg = nullptr;
+  std::size_t step = 0;
+};
+
 /// One direction after the other; what both share.
 class SeriesMotion::Builder {
  public:
@@ -307,13 +321,14 @@ bool SeriesMotion::serves(const Torques& torques) { return parts_of(torques).ser
 SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options)
     : moments_(body.principal_moments) {
   Builder builder(body, torques, options, options.most_coefficients);
+  std::vector<Leg> forward, backward;
   double local_error = builder.first_local_error(), most_local_error = options.tolerance_rad;
   bool precise = 2e-16 * std::sqrt(builder.phase_rad()) * (1.0 + builder.phase_rad()) > options.tolerance_rad;
   for (int run = 0; run < SteppingTuning::most_runs; ++run) {
     const std::size_t before = builder.coefficients();
     builder.forget();
-    whole_ = builder.run(local_error, most_local_error, precise, forward_, true);
-    whole_ = builder.run(local_error, most_local_error, precise, backward_, false) && whole_;
+    whole_ = builder.run(local_error, most_local_error, precise, forward, true);
+    whole_ = builder.run(local_error, most_local_error, precise, backward, false) && whole_;
     kept_coefficients_ = builder.coefficients() - before;
     const double before_rad = error_rad_;
     error_rad_ = SteppingTuning::safety * builder.worst_rad();
@@ -323,9 +338,9 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
     if (local_error < 1e-17) precise = true;
   }
   coefficients_ = builder.coefficients();
-  first_s_ = backward_.back().end_s;
-  last_s_ = forward_.back().end_s;
-  for (std::vector<Leg>* legs : {&forward_, &backward_}) {
+  first_s_ = backward.back().end_s;
+  last_s_ = forward.back().end_s;
+  for (std::vector<Leg>* legs : {&forward, &backward}) {
     Quaternion before = body.q_inertial_from_body;
     for (Leg& leg : *legs) {
       for (taylor::StepStart& start : leg.steps) {
@@ -335,11 +350,13 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
       }
     }
   }
+  forward_ = std::make_shared<const std::vector<Leg>>(std::move(forward));
+  backward_ = std::make_shared<const std::vector<Leg>>(std::move(backward));
 }
 
 std::size_t SeriesMotion::steps() const {
   std::size_t count = 0;
-  for (const std::vector<Leg>* legs : {&forward_, &backward_}) {
+  for (const auto& legs : {forward_, backward_}) {
     for (const Leg& leg : *legs) count += leg.steps.size();
   }
   return count;
@@ -360,7 +377,7 @@ SeriesMotion::Place SeriesMotion::place(double t_s) const {
   }
   // Beyond an end at t = 0 the other way's motion goes on.
   const bool is_forward = t_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
-  const std::vector<Leg>& legs = is_forward ? forward_ : backward_;
+  const std::vector<Leg>& legs = is_forward ? *forward_ : *backward_;
   const double away_s = std::abs(t_s);
   const Leg& leg = *std::find_if(legs.begin(), legs.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.end_s); });
   const double away = away_s / leg.problem.unit_s;

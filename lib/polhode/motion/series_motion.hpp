@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "polhode/motion/motion.hpp"
-#include "polhode/motion/taylor/problem.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
@@ -37,26 +36,16 @@ class SeriesMotion final : public Motion {
   std::size_t kept_coefficients() const { return kept_coefficients_; }  ///< of the run that is kept
 
  private:
-  /// Between two jumps of the torques, away from t = 0.
-  struct Leg {
-    taylor::Problem problem;
-    std::shared_ptr<const Torques> torques;  // that the problem points to
-    Quaternion inertial_from_fixed;  // of the fixed axes
-    std::vector<taylor::StepStart> steps;
-    double end_s = 0.0;
-  };
-  struct Place {
-    const Leg* leg = nullptr;
-    std::size_t step = 0;
-  };
-  struct Series;
+  struct Leg;     // between two jumps of the torques
+  struct Place;   // a step of a leg
+  struct Series;  // of the state about the start of a step
   class Builder;
   Place place(double t_s) const;
   void expand(const Place& place, Series& series) const;
   State state(const Series& series, double t_high_s, double t_low_s) const;
 
   Vector3 moments_;
-  std::vector<Leg> forward_, backward_;
+  std::shared_ptr<const std::vector<Leg>> forward_, backward_;  // away from t = 0
   double first_s_ = 0.0, last_s_ = 0.0;
   bool whole_ = true;
   double error_rad_ = 0.0;

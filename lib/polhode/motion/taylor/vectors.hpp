@@ -12,6 +12,9 @@
 #include <immintrin.h>
 #endif
 
+// GCC says how functions would pass vectors where the target has no such registers: none does, all are inlined.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace polhode::taylor {
 inline namespace POLHODE_TARGET {
 
