@@ -50,11 +50,11 @@ using ExtendedQuaternion = Eigen::Quaternion<Extended>;
 
 /// How steps are chosen, found on the torqued bodies of data/truth and on 2000 random ones.
 struct SteppingTuning {
-  static constexpr double order_per_digit = 0.62;  // of the natural logarithm of the local error
-  static constexpr int least_order = 8;
+  static constexpr double order_per_digit = 0.75;  // of the natural logarithm of the local error
+  static constexpr int least_order = 14;
   static constexpr int at_once = 16;               // steps between looks at the error
   static constexpr double safety = 8.0;            // the error claimed, of the difference carried along
-  static constexpr double aim = 0.5;               // of the tolerance, at the end
+  static constexpr double aim = 0.4;               // of the tolerance, at the end
   static constexpr int most_runs = 6;
 };
 

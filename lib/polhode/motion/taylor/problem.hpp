@@ -10,7 +10,7 @@ class Torques;
 
 namespace polhode::taylor {
 
-inline constexpr int kMostOrder = 36, kLeastOrder = 8;
+inline constexpr int kMostOrder = 36;
 inline constexpr int kMostVectors = 4;  ///< of a state: the rate, and two or three fixed axes seen from the body
 
 /// A number as a sum of two.
