@@ -18,6 +18,8 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
+#include "polhode/motion/planner.hpp"
+#include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
 #include "rivals/registry.hpp"
 #include "subcommands.hpp"
@@ -30,6 +32,7 @@ struct BenchOptions {
   std::string case_file;
   std::string method = "auto";
   std::size_t count = 0;
+  double tolerance_rad = 0.0;  // 0: not given
 };
 
 constexpr int kRounds = 9;  // every quantity is measured in each round; the median counts
@@ -87,12 +90,49 @@ Array irregular_times(const std::vector<double>& own, std::size_t count) {
   return times;
 }
 
+/// The motion under a case's torques: solved over the span of its times, and asked at evenly spaced ones.
+void bench_torqued(const BenchOptions& options, const CaseFile& wanted) {
+  if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
+    throw InputError(fmt::format("{} has torques ('T' lines): --tolerance is wanted, a positive angle in radians",
+                                 options.case_file));
+  }
+  if (options.method != "auto") throw InputError("--method is for free motion; under torques bench takes no other");
+  const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
+  TorquedOptions how{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last)};
+  how.max_torque_evaluations = usual_torque_evaluations(wanted.torques);
+  const std::size_t count = options.count;
+  Array times(count), q(4 * count), m(3 * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    times[i] = std::lerp(how.first_s, how.last_s, (static_cast<double>(i) + 0.5) / static_cast<double>(count));
+  }
+  Quantity solve, at;
+  std::unique_ptr<const TorquedMotion> motion;
+  for (int round = 0; round < kRounds; ++round) {
+    solve.measure(1, [&] { motion = std::make_unique<const TorquedMotion>(wanted.body, wanted.torques, how); });
+    at.measure(count, [&] { motion->batch({times}, StateArrays::of_structures(q.data(), m.data())); });
+  }
+  const double checksum = std::accumulate(q.begin(), q.end(), 0.0) + std::accumulate(m.begin(), m.end(), 0.0);
+  write_standard_output(
+      fmt::format("method={}\noutcome={}\ncount={}\nsolve_ns={:.0f}\nat_ns={:.2f}\nerror_rad={:.2e}\nevaluations={}\n"
+                  "steps={}\nchecksum={:.17g}\n",
+                  motion->method(), outcome_name(motion->outcome()), count, solve.median(), at.median(),
+                  motion->error_rad(), motion->torque_evaluations(), motion->steps(), checksum));
+  if (motion->outcome() != Outcome::done) {
+    throw CheckFailed(fmt::format("{}: the tolerance of {} rad is not kept: {}", options.case_file,
+                                  options.tolerance_rad, outcome_name(motion->outcome())));
+  }
+}
+
 void bench(const BenchOptions& options) {
   const Method& chosen = in_option(
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
   const CaseFile wanted = read_case_file(options.case_file);
   if (!wanted.torques.empty()) {
-    throw InputError(fmt::format("{} has torques ('T' lines); bench measures free motion", options.case_file));
+    bench_torqued(options, wanted);
+    return;
+  }
+  if (options.tolerance_rad != 0.0) {
+    throw InputError(fmt::format("--tolerance is for motion under torques; {} has none", options.case_file));
   }
   const auto make_short = chosen.make_short != nullptr ? chosen.make_short : chosen.make;
   const std::unique_ptr<Motion> motion = chosen.make(wanted.body);
@@ -151,8 +191,11 @@ void add_bench(CLI::App& app) {
   auto options = std::make_shared<BenchOptions>();
   CLI::App* command =
       app.add_subcommand("bench", "Time a method on a case file: nanoseconds per item, key=value lines");
-  command->footer("Examples:\n  polhode bench data/truth/dev/sam-01.case 100000");
+  command->footer(
+      "Examples:\n  polhode bench data/truth/dev/sam-01.case 100000\n"
+      "  polhode bench --tolerance 1e-9 data/truth/torqued/envisat-fast-01.case 10000");
   command->add_option("--method", options->method, "Name from `polhode methods`, or auto")->capture_default_str();
+  command->add_option("--tolerance", options->tolerance_rad, "Wanted attitude error in radians, under torques");
   command->add_option("CASEFILE", options->case_file, "Body at t = 0; its times give the range")->required();
   add_whole_number(*command, "COUNT", options->count, 1, 100'000'000, "How many times")->required();
   command->callback([options] { bench(*options); });

@@ -116,7 +116,7 @@ void add_eval(CLI::App& app) {
       "  polhode eval --tolerance 1e-8 data/truth/torqued/combined-01.case");
   command
       ->add_option("--method", options->method,
-                   "Name from `polhode methods`, or auto; under torques a splitting scheme or extrapolation")
+                   "Name from `polhode methods`, or auto; under torques series, extrapolation or a splitting scheme")
       ->capture_default_str();
   command
       ->add_option("--tolerance", options->tolerance_rad,

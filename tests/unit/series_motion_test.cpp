@@ -34,6 +34,8 @@ TEST(SeriesMotion, ObeysItsEquations) {
   const Torque pull = GravityGradient(kEarthMu, low_orbit(0.1));
   const Torque moon = GravityGradient(4.9e12, KeplerElements{4.9e12, 3e6, 1.4, 300.0, {0, 1, 0}, {0, 0, 1}});
   const Torque eddy = EddyCurrents{magnetic, Vector3(0.6, 0, -0.8), 7.8e15, low_orbit(0.1)};
+  const Torque eddy_there =
+      EddyCurrents{magnetic, Vector3(0.6, 0, -0.8), 7.8e15, std::get<GravityGradient>(pull).trajectory};
   LinearDamping damping({3, 5, 2});
   damping.coefficients(0, 1) = damping.coefficients(1, 0) = 1.0;
   const Torque push = ConstantTorque{{0.3, -0.2, 0.1}};
@@ -43,7 +45,7 @@ TEST(SeriesMotion, ObeysItsEquations) {
       InternalDissipation::from_quality_factor(20.0, body.principal_moments, body.momentum_body.norm());
   const std::vector<std::vector<Torque>> sets{{push},       {push, damping},         {pull},
                                               {pull, push}, {pull, damping},         {loss, outside, damping},
-                                              {pull, moon}, {pull, moon, eddy, loss}, {pull, outside, damping, eddy}};
+                                              {pull, moon}, {pull, eddy_there}, {pull, eddy_there, damping}, {pull, moon, eddy, loss}, {pull, outside, damping, eddy}};
   for (const std::vector<Torque>& set : sets) {
     const Torques torques(set);
     ASSERT_TRUE(SeriesMotion::serves(torques));

@@ -207,7 +207,9 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
   const double shortest = std::min(1.0, std::max(TrialTuning::shorter, least_s / span_s));
   double longest = shortest * TrialTuning::longer / TrialTuning::shorter;
   if (longest > TrialTuning::most_of_span) longest = 1.0;
-  const double rounding_rad = rounding_of_doubles_rad(rate_rad_s * std::max(last_s, -first_s));
+  // (Of series it does not change the method.)
+  const double rounding_rad =
+      SeriesMotion::serves(plan.kept) ? 0.0 : rounding_of_doubles_rad(rate_rad_s * std::max(last_s, -first_s));
   bool needs_more = false;
   const auto trial = [&](double share) {
     TorquedOptions options{plan.tolerance_rad, share * first_s, share * last_s};
@@ -331,7 +333,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   }
   plan.error_rad = plan.dropped_rad + plan.tolerance_rad + ErrorBudget::rounding_rad;
   if (plan.error_rad > accuracy_rad) throw_no_room(accuracy_rad, plan.error_rad);
-  if (!full) {
+  if (!full && !SeriesMotion::serves(plan.kept)) {
     const KickedOptions kicked{plan.tolerance_rad, first_s, last_s, kMostTorqueEvaluations};
     if (const auto evaluations = KickedMotion::predicted_evaluations(body, plan.kept, kicked)) {
       plan.few_kicks = true;

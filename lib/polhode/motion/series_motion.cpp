@@ -68,6 +68,8 @@ struct Parts {
   int pulls = 0, fields = 0;
   const KeplerOrbit* only_orbit = nullptr;  // of the only point mass
   double only_mu_m3_s2 = 0.0;
+  const KeplerOrbit* field_orbit = nullptr;
+  Vector3 dipole_t_m3 = Vector3::Zero();  // inertial
   Vector3 constant = Vector3::Zero(), outside = Vector3::Zero();
   Matrix3 damping = Matrix3::Zero(), magnetic_tensor_s_m4 = Matrix3::Zero();
   double relaxation = 0.0;
@@ -84,10 +86,16 @@ struct Parts {
   void add(const EddyCurrents& one) {
     served = served && fields++ == 0;
     magnetic_tensor_s_m4 = one.magnetic_tensor_s_m4;
+    field_orbit = one.trajectory.orbit();
+    dipole_t_m3 = one.dipole_t_m3 * one.dipole_axis;
   }
   void add(const Sunlight& /*one*/) { served = false; }
 
-  bool plane() const { return pulls == 1 && only_orbit != nullptr && fields == 0 && outside.isZero(0.0) && relaxation == 0.0; }
+  /// Whether all depends on one orbit.
+  bool plane() const {
+    return pulls == 1 && only_orbit != nullptr && (fields == 0 || field_orbit == only_orbit) && outside.isZero(0.0) &&
+           relaxation == 0.0;
+  }
 };
 
 Parts parts_of(const Torques& torques) {
@@ -101,7 +109,7 @@ Parts parts_of(const Torques& torques) {
 /// The entry of kEntries in taylor/run.hpp.
 int kinds_of(const Parts& parts) {
   const bool damped = !parts.damping.isZero(0.0);
-  if (parts.plane()) return damped ? 3 : 2;
+  if (parts.plane()) return parts.fields > 0 ? 7 : damped ? 3 : 2;
   const bool more = !parts.outside.isZero(0.0) || parts.relaxation != 0.0;
   if (parts.fields == 0 && parts.pulls == 0) return more ? 4 : damped ? 1 : 0;
   return more || damped || parts.fields > 0 ? 6 : 5;
@@ -149,6 +157,8 @@ taylor::Problem problem_of(const Vector3& I, const Torques& torques, double unit
     o.eccentricity = elements.eccentricity;
     o.parameter_m = elements.periapsis_m * (Extended(1) + elements.eccentricity);
     o.rate = std::sqrt(parts.only_mu_m3_s2 / o.parameter_m) / o.parameter_m * unit_s;
+    const Vector3 dipole = fixed_axes(parts).cast<double>().transpose() * parts.dipole_t_m3;
+    for (int i = 0; i < 3; ++i) o.dipole[i] = dipole[i] / std::pow(static_cast<double>(o.parameter_m), 3);
   }
   return problem;
 }

@@ -8,7 +8,7 @@
 
 namespace polhode {
 
-/// The motion of a rigid body under torques that have power series, by steps of these series (taylor.md), from t = 0
+/// The motion of a rigid body under torques that have power series, by steps of these series (series_motion.md), from t = 0
 /// both ways. Every step carries along, to first order, how far the run is from the motion: what earlier steps left
 /// out of their series, and their roundings. error_rad() is that distance, at its largest, times a safety factor.
 class SeriesMotion final : public Motion {

@@ -41,8 +41,8 @@ struct TorquedOptions {
 /// What TorquedOptions::method may be, "auto" first.
 std::span<const std::string_view> torqued_motion_methods();
 
-/// What rounding in doubles comes to over so many radians of rotation. Where it is above the tolerance, "auto" begins
-/// with long double.
+/// What rounding in doubles comes to over so many radians of rotation. Where it is above the tolerance, "auto" without
+/// series begins with long double.
 double rounding_of_doubles_rad(double phase_rad);
 
 /// The motion of a rigid body under torques, from t = 0 both ways, computed once and answered at any time.
@@ -67,8 +67,7 @@ class TorquedMotion final : public Motion {
   Outcome outcome() const { return outcome_; }
   const std::string& method() const { return method_; }  ///< the one that gave the states
   double error_rad() const { return error_rad_; }        ///< estimated, worst of the span
-  /// What ran. The tolerance is promised if the outcome is `done`, else nothing: how well two runs agree tells the
-  /// error only where it is not far below the tolerance.
+  /// What ran. The tolerance is promised if the outcome is `done`, else nothing.
   MotionAccount account() const;
   double first_s() const { return first_s_; }                                ///< reached
   double last_s() const { return last_s_; }                                  ///< reached

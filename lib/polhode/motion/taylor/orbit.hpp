@@ -66,17 +66,26 @@ class AnySurroundings {
 ///     c' = -n v^4 s,   s' = n v^4 c,   v' = -(e/2) n v^3 s,       p = sqrt(3) n v^3 (c, s)
 ///
 /// so that every product is one of pairs, for any eccentricity.
+///
+/// And with_field the field of a dipole at the point mass, along three fixed axes: with the dipole's direction a,
+/// field = k v^6 (3 (a . r) r - a) for a unit vector r = (c, s, 0).
+template <bool with_field>
 class PlanarOrbit {
  public:
-  static constexpr int axes = 2;
+  static constexpr int axes = with_field ? 3 : 2;
   const double* along(int k, double /*like*/) const { return p_[k]; }
   const TwoParts* along(int k, TwoParts /*like*/) const { return low_p_[k]; }
+  const double* field(int k, double /*like*/) const { return field_[k]; }
+  const TwoParts* field(int k, TwoParts /*like*/) const { return low_field_[k]; }
+  const double* change(int k, double /*like*/) const { return change_[k]; }
+  const TwoParts* change(int k, TwoParts /*like*/) const { return low_change_[k]; }
 
   explicit PlanarOrbit(const Problem& problem)
       : eccentricity_(problem.orbit.eccentricity),
         rate_(static_cast<double>(problem.orbit.rate)),
         strength_(kSqrt3 * rate_),
-        exact_rate_(problem.orbit.rate) {}
+        exact_rate_(problem.orbit.rate),
+        dipole_{problem.orbit.dipole[0], problem.orbit.dipole[1], problem.orbit.dipole[2]} {}
 
   /// The first coefficient; those after it come one by one, as far as they count within `longest`.
   void begin(const StepStart& start, int /*order*/, double longest) {
@@ -88,19 +97,31 @@ class PlanarOrbit {
   [[gnu::always_inline]] void next(int n) {
     if (n > orders_) {
       p_[0][n] = p_[1][n] = 0.0;
+      if constexpr (with_field) set_field(n, 0.0, 0.0, 0.0);
       return;
     }
-    Vector squares = {}, last = {};
+    Vector squares = {}, last = {}, fields = {};
     for (int j = 1; j < n; ++j) {
       add_product(squares, left_[j], right_[n - j]);
       add_product(last, powers_[j], sines_[n - j]);
+      if constexpr (with_field) add_product(fields, sixths_[j], places_[n - j]);
     }
     const double v2_0 = n > 0 ? left_[0][1] : v_[0] * v_[0];
     const double v2 = n > 0 ? squares[0] + 2.0 * v_[0] * v_[n] : v2_0;
     const double v3 = n > 0 ? squares[1] + (v2_0 * v_[n] + v2 * v_[0]) : v2 * v_[0];
     const double v4 = n > 0 ? squares[2] + 2.0 * v2_0 * v2 : v2 * v2;
-    left_[n] = Vector{v_[n], v2, v2, 0.0};
-    right_[n] = Vector{v_[n], v_[n], v2, 0.0};
+    left_[n] = Vector{v_[n], v2, v2, v2};
+    right_[n] = Vector{v_[n], v_[n], v2, v4};
+    if constexpr (with_field) {
+      const double v6 = n > 0 ? squares[3] + (v2_0 * v4 + v2 * right_[0][3]) : v2 * v4;
+      const double along = dipole_[0] * c_[n] + dipole_[1] * s_[n];
+      const double along_0 = n > 0 ? places_[0][0] : along, v6_0 = n > 0 ? sixths_[0][0] : v6;
+      const double y = n > 0 ? fields[0] + (v6_0 * along + v6 * along_0) : v6 * along;
+      sixths_[n] = Vector{v6, y, y, 0.0};
+      places_[n] = Vector{along, c_[n], s_[n], 0.0};
+      add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(fields, sixths_[j], places_[m - j]); }, n);
+      set_field(n, fields[1], fields[2], v6);
+    }
     powers_[n] = Vector{v3, v3, v4, v4};
     sines_[n] = Vector{c_[n], s_[n], c_[n], s_[n]};
     add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(last, powers_[j], sines_[m - j]); }, n);
@@ -121,8 +142,16 @@ class PlanarOrbit {
     const double speed2 = 1.0 + eccentricity_ * (2.0 * c_[0] + eccentricity_);  // times mu/parameter
     return kShareOfTimeScale / (v2 * rate_ * __builtin_sqrt(speed2));
   }
-  /// The low orders in long double.
+  /// The low orders in long double; of a field, in double, when they are known.
   void find_precise(const long double (&state)[3]) {
+    if constexpr (with_field) {
+      for (int k = 0; k < 3; ++k) {
+        for (int n = 0; n <= kPreciseOrders; ++n) {
+          low_field_[k][n] = {field_[k][n], 0.0};
+          low_change_[k][n] = {change_[k][n], 0.0};
+        }
+      }
+    }
     const long double rate = exact_rate_, strength = 1.7320508075688772935274463L * rate;
     long double v2[kPreciseOrders + 1], v3[kPreciseOrders + 1], v4[kPreciseOrders + 1];
     long double (&c)[kPreciseOrders + 1] = low_[0], (&s)[kPreciseOrders + 1] = low_[1], (&v)[kPreciseOrders + 1] = low_[2];
@@ -170,20 +199,32 @@ class PlanarOrbit {
   }
 
  private:
+  [[gnu::always_inline]] void set_field(int n, double yc, double ys, double v6) {
+    const double field[3] = {3.0 * yc - dipole_[0] * v6, 3.0 * ys - dipole_[1] * v6, -dipole_[2] * v6};
+    for (int k = 0; k < 3; ++k) {
+      field_[k][n] = field[k];
+      if (n > 0) change_[k][n - 1] = n * field[k];
+    }
+  }
+
   static constexpr double kSqrt3 = 1.7320508075688772935;
   static constexpr double kCounts = 1e-18;
   static constexpr double kShareOfTimeScale = 0.7;
 
   double eccentricity_, rate_, strength_;
   long double exact_rate_;
+  double dipole_[3];
   double longest_ = 0.0, power_ = 1.0;
   int orders_ = 0;
-  Vector left_[kMostOrder + 1], right_[kMostOrder + 1];  // (v, v^2, v^2), (v, v, v^2)
+  Vector left_[kMostOrder + 1], right_[kMostOrder + 1];  // (v, v^2, v^2, v^2), (v, v, v^2, v^4)
   Vector powers_[kMostOrder + 1], sines_[kMostOrder + 1];
   double c_[kMostOrder + 2], s_[kMostOrder + 2], v_[kMostOrder + 2];
   double p_[2][kMostOrder + 1];
   long double low_[3][kPreciseOrders + 1];
   TwoParts low_p_[2][kPreciseOrders + 1];
+  Vector sixths_[with_field ? kMostOrder + 1 : 1], places_[with_field ? kMostOrder + 1 : 1];
+  double field_[3][with_field ? kMostOrder + 1 : 1], change_[3][with_field ? kMostOrder + 1 : 1];
+  TwoParts low_field_[3][kPreciseOrders + 1], low_change_[3][kPreciseOrders + 1];
 };
 
 }  // namespace POLHODE_TARGET

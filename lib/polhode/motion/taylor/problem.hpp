@@ -41,9 +41,10 @@ struct Problem {
     double eccentricity = 0.0;
     long double parameter_m = 0.0;
     long double rate = 0.0;  ///< sqrt(mu/parameter^3)
+    double dipole[3] = {};   ///< field of a dipole there, on its equator at the distance of the parameter
   } orbit;
 
-  /// Which torques there are: the entry of kTable in target.hpp.
+  /// Which torques there are: the entry of kEntries in run.hpp.
   int kinds = 0;
 };
 

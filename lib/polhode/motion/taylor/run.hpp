@@ -78,7 +78,12 @@ struct Engine {
         for (int k = 0; k < 3; ++k) kind.field[k] = series.field[k], kind.change[k] = series.change[k];
       }
     } else if constexpr (requires { kind.along; }) {
-      for (int k = 0; k < Around::axes; ++k) kind.along[k] = around.along(k, Number<V>{});
+      for (auto& series : kind.along) series = around.along(static_cast<int>(&series - kind.along), Number<V>{});
+    } else if constexpr (requires { kind.field; }) {
+      for (int k = 0; k < 3; ++k) {
+        kind.field[k] = around.field(k, Number<V>{});
+        kind.change[k] = around.change(k, Number<V>{});
+      }
     }
   }
 
@@ -163,7 +168,10 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
     for (int i = 0; i < 3; ++i) start.orbit[i] = static_cast<double>(front.orbit[i]);
 
     engine.around.begin(start, order, front.longest);
-    if constexpr (precise) engine.around.find_precise(front.orbit);
+    if constexpr (precise) {
+      for (int n = 1; n <= kPreciseOrders; ++n) engine.around.next(n);
+      engine.around.find_precise(front.orbit);
+    }
     auto& plain = engine.plain;
     int known = 0;
     if constexpr (precise) {
@@ -181,10 +189,7 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
     variation.omega.set(0, rate_error);
     variation.turn.set(0, turn_error);
     // Both chains side by side: each waits for its own last order.
-    for (int n = 0; n < known; ++n) {
-      engine.around.next(n + 1);
-      variation.next(plain, n);
-    }
+    for (int n = 0; n < known; ++n) variation.next(plain, n);
     for (int n = known; n < kVariationOrders; ++n) {
       engine.around.next(n + 1);
       plain.next(n);
@@ -302,11 +307,12 @@ inline constexpr Entry kEntry = {advance<Around, Kinds...>, coefficients_of<Arou
 inline constexpr Entry kEntries[] = {
     kEntry<NoSurroundings<2>>,                                         // a torque that keeps its components
     kEntry<NoSurroundings<2>, Damping>,                                //
-    kEntry<PlanarOrbit, Pull<2>::Kind>,                                // and one point mass
-    kEntry<PlanarOrbit, Pull<2>::Kind, Damping>,                       //
+    kEntry<PlanarOrbit<false>, Pull<2>::Kind>,                         // and one point mass
+    kEntry<PlanarOrbit<false>, Pull<2>::Kind, Damping>,                //
     kEntry<NoSurroundings<3>, Damping, Outside, Slip>,                 // all that needs no surroundings
     kEntry<AnySurroundings, Tide>,                                     // point masses on any ways
     kEntry<AnySurroundings, Tide, Damping, Outside, Eddy, Slip>,       // everything
+    kEntry<PlanarOrbit<true>, Pull<2>::Kind, Damping, Eddy>,           // a dipole at the only point mass
 };
 
 inline int advance_entry(const Problem& problem, const Stepping& stepping, int most, Front& front,
