@@ -359,7 +359,7 @@ TEST(TorquedMotion, BetweenStepsIsAsGoodAsAtTheirEnds) {
   }
 }
 
-/// Whatever is tried in turn, all evaluations together count; a window or a step is finished.
+/// Whatever is tried in turn, all evaluations together count; a step is finished.
 TEST(TorquedMotion, KeepsToTheLimitOfEvaluations) {
   constexpr std::size_t window = 400;
   for (const double part : {0.01, 1.0, 100.0}) {

@@ -333,7 +333,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   }
   plan.error_rad = plan.dropped_rad + plan.tolerance_rad + ErrorBudget::rounding_rad;
   if (plan.error_rad > accuracy_rad) throw_no_room(accuracy_rad, plan.error_rad);
-  if (!full && !SeriesMotion::serves(plan.kept)) {
+  if (!full) {
     const KickedOptions kicked{plan.tolerance_rad, first_s, last_s, kMostTorqueEvaluations};
     if (const auto evaluations = KickedMotion::predicted_evaluations(body, plan.kept, kicked)) {
       plan.few_kicks = true;

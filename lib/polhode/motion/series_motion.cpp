@@ -52,9 +52,9 @@ using ExtendedQuaternion = Eigen::Quaternion<Extended>;
 struct SteppingTuning {
   static constexpr double order_per_digit = 0.75;  // of the natural logarithm of the local error
   static constexpr int least_order = 14;
-  static constexpr int at_once = 16;               // steps between looks at the error
-  static constexpr double safety = 8.0;            // the error claimed, of the difference carried along
-  static constexpr double aim = 0.4;               // of the tolerance, at the end
+  static constexpr int at_once = 16;     // steps between looks at the error
+  static constexpr double safety = 8.0;  // the error claimed, of the difference carried along
+  static constexpr double aim = 0.4;     // of the tolerance, at the end
   static constexpr int most_runs = 6;
 };
 
@@ -231,7 +231,11 @@ class SeriesMotion::Builder {
       std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
       double from_s = 0.0;
       for (const double to_s : ends) {
-        Leg leg{{}, std::make_shared<const Torques>(torques.during(0.5 * (from_s + to_s))), Quaternion(ExtendedQuaternion(axes_).cast<double>()), {}, to_s};
+        Leg leg{{},
+                std::make_shared<const Torques>(torques.during(0.5 * (from_s + to_s))),
+                Quaternion(ExtendedQuaternion(axes_).cast<double>()),
+                {},
+                to_s};
         leg.problem = problem_of(body.principal_moments, *leg.torques, unit_s_);
         (forward ? forward_ : backward_).push_back(std::move(leg));
         from_s = to_s;
@@ -239,7 +243,7 @@ class SeriesMotion::Builder {
     }
   }
 
-  double first_local_error() const { return 0.1 * options_.tolerance_rad / (1.0 + phase_rad_); }
+  double first_local_error() const { return 0.02 * options_.tolerance_rad / (1.0 + phase_rad_); }
 
   /// False if the limit of coefficients ended it.
   bool run(double local_error, double most_local_error, bool precise, std::vector<Leg>& legs, bool is_forward) {
@@ -309,8 +313,8 @@ class SeriesMotion::Builder {
     const Vector3 momentum = Eigen::Map<const Vector3>(front.high[0]).cwiseProduct(I);
     const double secular = std::abs(rate.dot(momentum.stableNormalized())) +
                            std::abs(rate.dot(momentum.cwiseProduct(I).stableNormalized()));
-    const double expected = Eigen::Map<const Vector3>(front.turn_error_rad).norm() +
-                            secular * left * (1.0 + 0.5 * left / gone);
+    const double expected =
+        Eigen::Map<const Vector3>(front.turn_error_rad).norm() + secular * left * (1.0 + 0.5 * left / gone);
     const double aim = SteppingTuning::aim * options_.tolerance_rad / SteppingTuning::safety;
     const double factor = std::clamp(std::sqrt(aim / expected), 0.25, 2.0);
     return std::clamp(local_error * factor, 1e-19, 0.1 * options_.tolerance_rad);
@@ -379,6 +383,15 @@ struct SeriesMotion::Series {
   double coefficients[taylor::kMostOrder + 1][taylor::kMostVectors][4];
 };
 
+bool SeriesMotion::is_in(const Place& place, double t_s) const {
+  if (place.leg == nullptr || t_s == 0.0) return false;
+  const std::vector<taylor::StepStart>& steps = place.leg->steps;
+  const double t = t_s / place.leg->problem.unit_s, from = steps[place.step].t_high;
+  const double to =
+      place.step + 1 < steps.size() ? steps[place.step + 1].t_high : place.leg->end_s / place.leg->problem.unit_s;
+  return from < to ? from <= t && t < to : to < t && t <= from;
+}
+
 SeriesMotion::Place SeriesMotion::place(double t_s) const {
   const double room_s = end_room_s(last_s_ - first_s_);
   if (!(t_s >= first_s_ - room_s && t_s <= last_s_ + room_s)) {
@@ -389,7 +402,8 @@ SeriesMotion::Place SeriesMotion::place(double t_s) const {
   const bool is_forward = t_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
   const std::vector<Leg>& legs = is_forward ? *forward_ : *backward_;
   const double away_s = std::abs(t_s);
-  const Leg& leg = *std::find_if(legs.begin(), legs.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.end_s); });
+  const Leg& leg =
+      *std::find_if(legs.begin(), legs.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.end_s); });
   const double away = away_s / leg.problem.unit_s;
   const auto after =
       std::upper_bound(leg.steps.begin(), leg.steps.end(), away,
@@ -437,8 +451,11 @@ void SeriesMotion::batch(const TimeArrays& times, const StateArrays& out) const 
     const double t_high_s = times.high[i], t_low_s = times.low.empty() ? 0.0 : times.low[i];
     State at_i = nan_state();
     if (!std::isnan(t_high_s + t_low_s)) {
-      const Place here = place(t_high_s);
-      if (series.place.leg != here.leg || series.place.step != here.step) expand(here, series);
+      if (!is_in(series.place, t_high_s)) {
+        const Place next{series.place.leg, series.place.step + 1};
+        const bool is_next = next.leg != nullptr && next.step < next.leg->steps.size() && is_in(next, t_high_s);
+        expand(is_next ? next : place(t_high_s), series);
+      }
       at_i = state(series, t_high_s, t_low_s);
     }
     out.put(i, at_i);

@@ -8,8 +8,8 @@
 
 namespace polhode {
 
-/// The motion of a rigid body under torques that have power series, by steps of these series (series_motion.md), from t = 0
-/// both ways. Every step carries along, to first order, how far the run is from the motion: what earlier steps left
+/// The motion of a rigid body under torques that have power series, by steps of these series (series_motion.md), from t
+/// = 0 both ways. Every step carries along, to first order, how far the run is from the motion: what earlier steps left
 /// out of their series, and their roundings. error_rad() is that distance, at its largest, times a safety factor.
 class SeriesMotion final : public Motion {
  public:
@@ -41,6 +41,7 @@ class SeriesMotion final : public Motion {
   struct Series;  // of the state about the start of a step
   class Builder;
   Place place(double t_s) const;
+  bool is_in(const Place& place, double t_s) const;
   void expand(const Place& place, Series& series) const;
   State state(const Series& series, double t_high_s, double t_low_s) const;
 

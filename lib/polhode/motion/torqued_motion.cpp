@@ -96,8 +96,7 @@ class TorquedMotion::Builder {
       std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
       double from_s = 0.0;
       for (const double to_s : ends) {
-        (forward ? forward_ : backward_)
-            .push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}});
+        (forward ? forward_ : backward_).push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, {}}, {to_s, {}}}});
         from_s = to_s;
       }
     }
@@ -332,7 +331,7 @@ void TorquedMotion::follow_series(const FreeBody& body, const Torques& torques, 
   error_rad_ = series_->error_rad();
   evaluations_ = series_->coefficients();
   kept_evaluations_ = series_->kept_coefficients();
-  outcome_ = !series_->whole()                       ? Outcome::stopped
+  outcome_ = !series_->whole()                     ? Outcome::stopped
              : error_rad_ <= options.tolerance_rad ? Outcome::done
                                                    : Outcome::tolerance_not_reachable;
 }
@@ -423,9 +422,8 @@ MotionAccount TorquedMotion::account() const {
     account.error_meaning = "nothing is promised: the end of the span was not reached";
     return account;
   }
-  const std::string found =
-      series_ ? fmt::format("carried along with the motion: {:.1e} rad", error_rad_)
-              : fmt::format("two runs agree to {:.1e} rad", error_rad_);
+  const std::string found = series_ ? fmt::format("carried along with the motion: {:.1e} rad", error_rad_)
+                                    : fmt::format("two runs agree to {:.1e} rad", error_rad_);
   if (outcome_ == Outcome::done) {
     account.max_error_rad = tolerance_rad_;
     account.error_meaning = found + "; the numbers of the body and its torques are taken as exact";

@@ -49,11 +49,12 @@ double rounding_of_doubles_rad(double phase_rad);
 ///
 /// By series: see SeriesMotion. Otherwise steps are chosen by an estimate of their error, weighted by how a change of
 /// momentum grows until the end: by doing each step whole and in halves (splitting), or from the columns of the
-/// extrapolation. That says nothing about how errors grow on a chaotic path, so the whole span is then done again, finer,
-/// until two such runs agree within the tolerance; error_rad() is their difference (the finer one is kept, whose error
-/// is smaller still). Where rounding keeps them apart, extrapolation in long double takes over. Torques with kinks
-/// (Torques::smooth()) do not let the error fall as steps shorten: for them error_rad() is four times the difference.
-/// Between the ends of steps a state is a shorter step of the same method from the last end: full order everywhere.
+/// extrapolation. That says nothing about how errors grow on a chaotic path, so the whole span is then done again,
+/// finer, until two such runs agree within the tolerance; error_rad() is their difference (the finer one is kept, whose
+/// error is smaller still). Where rounding keeps them apart, extrapolation in long double takes over. Torques with
+/// kinks (Torques::smooth()) do not let the error fall as steps shorten: for them error_rad() is four times the
+/// difference. Between the ends of steps a state is a shorter step of the same method from the last end: full order
+/// everywhere.
 class TorquedMotion final : public Motion {
  public:
   /// Torques are in the axes of body.named_from_principal, as Torques says. Throws InputError for what checked()

@@ -60,9 +60,9 @@ std::size_t first_row(const OrbitTable& table, std::ptrdiff_t after) {
 template <class Real>
 OrbitState<Real> interpolated(const OrbitTable& table, Real t_s) {
   const std::size_t rows = points(table);
-  const std::size_t first = first_row(table, std::upper_bound(table.times_s.begin(), table.times_s.end(),
-                                                              static_cast<double>(t_s)) -
-                                                 table.times_s.begin());
+  const std::size_t first =
+      first_row(table, std::upper_bound(table.times_s.begin(), table.times_s.end(), static_cast<double>(t_s)) -
+                           table.times_s.begin());
   // Neville's scheme, with its derivative by t beside it. With velocities each row is two nodes at the same time,
   // between which the slope is the velocity.
   const std::size_t of_row = table.velocities_m_s.empty() ? 1 : 2, nodes = of_row * rows;
@@ -112,9 +112,9 @@ std::vector<double> TabulatedOrbit::seams_s() const {
 TabulatedOrbit::Piece TabulatedOrbit::piece(double t_s, bool forward) const {
   const OrbitTable& table = table_at(t_s);
   const std::vector<double>& times = table.times_s;
-  std::ptrdiff_t after =
-      (forward ? std::upper_bound(times.begin(), times.end(), t_s) : std::lower_bound(times.begin(), times.end(), t_s)) -
-      times.begin();
+  std::ptrdiff_t after = (forward ? std::upper_bound(times.begin(), times.end(), t_s)
+                                  : std::lower_bound(times.begin(), times.end(), t_s)) -
+                         times.begin();
   after = std::clamp<std::ptrdiff_t>(after, 1, static_cast<std::ptrdiff_t>(times.size()) - 1);
   const std::size_t first = first_row(table, after), rows = points(table);
   const std::size_t of_row = table.velocities_m_s.empty() ? 1 : 2, nodes = of_row * rows;

@@ -6,7 +6,8 @@
 //     add(body, sums, j, n)         the terms of coefficients j and n - j, 0 < j < n
 //     finish(body, sums, n, change) the terms with the newest coefficients, and its coefficient n over the moments of
 //                                   inertia to `change`
-//     vary(series, variation, varied, n, change)  the coefficient n of what a small change of the state makes of it; Varied<n>
+//     vary(series, variation, varied, n, change)  the coefficient n of what a small change of the state makes of it;
+//     Varied<n>
 //                                   are the series that this needs
 //     take(lower, n)                its own series' coefficient n from one of other vectors, rounded
 
@@ -21,7 +22,7 @@ struct Pull {
   template <class V, int orders>
   struct Kind {
     const Number<V>* along[axes] = {};  ///< coefficients
-    V weights = {};          ///< (I3 - I2)/I1, ...
+    V weights = {};                     ///< (I3 - I2)/I1, ...
     VectorSeries<V, orders> p;
 
     struct Sums {
@@ -36,11 +37,15 @@ struct Pull {
     template <class Body>
     [[gnu::always_inline]] void finish(const Body& body, Sums& sums, int n, V& change) {
       for (int k = 0; k < axes; ++k) {
-        add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(sums.p[k], body.axis[k].xyz[j], along[k][m - j]); }, n);
+        add_newest(
+            [&](int j, int m)
+                __attribute__((always_inline)) { add_product(sums.p[k], body.axis[k].xyz[j], along[k][m - j]); },
+            n);
         if (k > 0) sums.p[0] = sums.p[0] + sums.p[k];
       }
       p.set(n, sums.p[0]);
-      add_newest([&](int j, int m) __attribute__((always_inline)) { sums.products.add(p, j, m); }, n);
+      add_newest(
+          [&](int j, int m) __attribute__((always_inline)) { sums.products.add(p, j, m); }, n);
       add_product(change, sums.products.xyz(), weights);
     }
     template <int lower>
@@ -114,14 +119,17 @@ struct Tide {
   [[gnu::always_inline]] void finish(const Body& body, Sums& sums, int n, V& change) {
     for (int k = 0; k < 3; ++k) {
       for (int l = 0; l < 3; ++l) {
-        add_newest([&](int j, int m) __attribute__((always_inline)) {
-          add_product(sums.n[k], body.axis[l].xyz[j], along[place[k][l]][m - j]);
-        }, n);
+        add_newest(
+            [&](int j, int m) __attribute__((always_inline)) {
+              add_product(sums.n[k], body.axis[l].xyz[j], along[place[k][l]][m - j]);
+            },
+            n);
       }
       n_[k].set(n, sums.n[k]);
-      add_newest([&](int j, int m) __attribute__((always_inline)) {
-        add_product(sums.products, body.axis[k].xyz[j], n_[k].yzx[m - j]);
-      }, n);
+      add_newest(
+          [&](int j, int m)
+              __attribute__((always_inline)) { add_product(sums.products, body.axis[k].xyz[j], n_[k].yzx[m - j]); },
+          n);
     }
     add_product(change, yzx(sums.products), weights);
   }
@@ -212,17 +220,21 @@ struct Eddy {
   }
   template <class Body>
   [[gnu::always_inline]] void finish(const Body& body, Sums& sums, int n, V& out) {
-    add_newest([&](int j, int m) __attribute__((always_inline)) {
-      for (int k = 0; k < 3; ++k) {
-        add_product(sums.B, body.axis[k].xyz[j], field[k][m - j]);
-        add_product(sums.D, body.axis[k].xyz[j], change[k][m - j]);
-      }
-    }, n);
+    add_newest(
+        [&](int j, int m) __attribute__((always_inline)) {
+          for (int k = 0; k < 3; ++k) {
+            add_product(sums.B, body.axis[k].xyz[j], field[k][m - j]);
+            add_product(sums.D, body.axis[k].xyz[j], change[k][m - j]);
+          }
+        },
+        n);
     B.set(n, sums.B);
     D.set(n, sums.D);
-    add_newest([&](int j, int m) __attribute__((always_inline)) { sums.C.add(B, body.omega, j, m); }, n);
+    add_newest(
+        [&](int j, int m) __attribute__((always_inline)) { sums.C.add(B, body.omega, j, m); }, n);
     induced.set(n, transformed(columns, sums.C.xyz() + sums.D));
-    add_newest([&](int j, int m) __attribute__((always_inline)) { sums.torque.add(B, induced, j, m); }, n);
+    add_newest(
+        [&](int j, int m) __attribute__((always_inline)) { sums.torque.add(B, induced, j, m); }, n);
     add_product(out, sums.torque.xyz(), inverse_moments);
   }
   template <int lower>
@@ -260,7 +272,7 @@ struct Eddy {
 /// Internal dissipation: with l = m x omega, the axes turn with omega + k l, and m' = m x omega + k m x l.
 template <class V, int orders>
 struct Slip {
-  V weights = {};          ///< of l from the pair products of omega: k (I2 - I3), ...
+  V weights = {};  ///< of l from the pair products of omega: k (I2 - I3), ...
   V moments = {}, inverse_moments = {};
   VectorSeries<V, orders> m, kl, rate;  // k l; omega + k l
 
@@ -284,7 +296,8 @@ struct Slip {
   }
   template <class Body>
   [[gnu::always_inline]] void finish(const Body& /*body*/, Sums& sums, int n, V& change) {
-    add_newest([&](int j, int m_) __attribute__((always_inline)) { sums.torque.add(m, kl, j, m_); }, n);
+    add_newest(
+        [&](int j, int m_) __attribute__((always_inline)) { sums.torque.add(m, kl, j, m_); }, n);
     add_product(change, sums.torque.xyz(), inverse_moments);
   }
   template <int lower>

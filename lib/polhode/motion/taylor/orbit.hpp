@@ -119,12 +119,14 @@ class PlanarOrbit {
       const double y = n > 0 ? fields[0] + (v6_0 * along + v6 * along_0) : v6 * along;
       sixths_[n] = Vector{v6, y, y, 0.0};
       places_[n] = Vector{along, c_[n], s_[n], 0.0};
-      add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(fields, sixths_[j], places_[m - j]); }, n);
+      add_newest(
+          [&](int j, int m) __attribute__((always_inline)) { add_product(fields, sixths_[j], places_[m - j]); }, n);
       set_field(n, fields[1], fields[2], v6);
     }
     powers_[n] = Vector{v3, v3, v4, v4};
     sines_[n] = Vector{c_[n], s_[n], c_[n], s_[n]};
-    add_newest([&](int j, int m) __attribute__((always_inline)) { add_product(last, powers_[j], sines_[m - j]); }, n);
+    add_newest(
+        [&](int j, int m) __attribute__((always_inline)) { add_product(last, powers_[j], sines_[m - j]); }, n);
     p_[0][n] = strength_ * last[0];
     p_[1][n] = strength_ * last[1];
     const double share = rate_ / (n + 1);
@@ -154,7 +156,8 @@ class PlanarOrbit {
     }
     const long double rate = exact_rate_, strength = 1.7320508075688772935274463L * rate;
     long double v2[kPreciseOrders + 1], v3[kPreciseOrders + 1], v4[kPreciseOrders + 1];
-    long double (&c)[kPreciseOrders + 1] = low_[0], (&s)[kPreciseOrders + 1] = low_[1], (&v)[kPreciseOrders + 1] = low_[2];
+    long double(&c)[kPreciseOrders + 1] = low_[0], (&s)[kPreciseOrders + 1] = low_[1],
+                                     (&v)[kPreciseOrders + 1] = low_[2];
     c[0] = state[0], s[0] = state[1], v[0] = state[2];
     for (int n = 0;; ++n) {
       const auto product = [n](const long double* a, const long double* b) {
@@ -187,7 +190,8 @@ class PlanarOrbit {
     const double* const series[3] = {c_, s_, v_};
     for (int i = 0; i < 3; ++i) {
       double sum = 0.0;
-      for (int n = order < orders_ ? order : orders_; n > (precise ? kPreciseOrders : 0); --n) sum = (sum + series[i][n]) * h;
+      for (int n = order < orders_ ? order : orders_; n > (precise ? kPreciseOrders : 0); --n)
+        sum = (sum + series[i][n]) * h;
       if constexpr (precise) {
         long double all_orders = sum / h;
         for (int n = kPreciseOrders; n >= 0; --n) all_orders = all_orders * h + low_[i][n];

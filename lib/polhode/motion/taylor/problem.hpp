@@ -22,15 +22,15 @@ struct TwoParts {
 /// The body and its torques in numbers. The unit of time is `unit_s`, a power of two; x, y, z are the principal axes.
 struct Problem {
   double unit_s = 1.0;
-  long double euler_weights[3];      ///< (I2 - I3)/I1, ...
-  long double constant[3] = {};      ///< the torque that keeps its components, over the moments
-  long double damping[3][3] = {};    ///< [column][row] of -D, over the moments
+  long double euler_weights[3];    ///< (I2 - I3)/I1, ...
+  long double constant[3] = {};    ///< the torque that keeps its components, over the moments
+  long double damping[3][3] = {};  ///< [column][row] of -D, over the moments
 
-  long double outside[3] = {};       ///< the torque that keeps its components along the fixed axes
-  long double inverse_moments[3];    ///< beside the first
-  long double slip = 0.0;            ///< k of internal dissipation, times the first moment and the unit of rate
-  long double moments[3];            ///< over the first
-  double magnetic_tensor[3][3] = {}; ///< [column][row] of M, over the first moment: B^2 times it is a rate
+  long double outside[3] = {};        ///< the torque that keeps its components along the fixed axes
+  long double inverse_moments[3];     ///< beside the first
+  long double slip = 0.0;             ///< k of internal dissipation, times the first moment and the unit of rate
+  long double moments[3];             ///< over the first
+  double magnetic_tensor[3][3] = {};  ///< [column][row] of M, over the first moment: B^2 times it is a rate
 
   /// Of what else moves: series of the tide and of a magnetic field are found from these.
   const Torques* torques = nullptr;
@@ -55,10 +55,10 @@ struct Front {
   double rate_error[4] = {}, turn_error_rad[4] = {};
   double t_high = 0.0, t_low = 0.0;
   long double orbit[3] = {};  ///< cosine and sine of the true anomaly, and sqrt(parameter/distance)
-  int until_exact_orbit = 0; ///< steps until it is computed anew
-  double longest = 0.0;      ///< the next step must not be longer
+  int until_exact_orbit = 0;  ///< steps until it is computed anew
+  double longest = 0.0;       ///< the next step must not be longer
   unsigned long long random = 0x9e3779b97f4a7c15ull;
-  double worst_rad = 0.0;     ///< largest turn_error_rad so far
+  double worst_rad = 0.0;  ///< largest turn_error_rad so far
 };
 
 /// What a series is made from. The step ends where the next one starts.
@@ -68,15 +68,15 @@ struct StepStart {
   double orbit[3];
   int order;
   int direction;  ///< of time: 1 or -1
-  int sign = 1;  ///< of the quaternion
+  int sign = 1;   ///< of the quaternion
 };
 
 /// How a run takes its steps.
 struct Stepping {
-  double end;             ///< in units, either side of the front
-  double local_error;     ///< allowed in a step
+  double end;          ///< in units, either side of the front
+  double local_error;  ///< allowed in a step
   int order;
-  bool precise;           ///< low orders in double-double
+  bool precise;  ///< low orders in double-double
 };
 
 /// Series in time of what the torques from outside depend on, along the fixed axes.
@@ -99,8 +99,7 @@ struct Kernel {
   void (*coefficients)(const Problem& problem, const StepStart& start, int order, double length,
                        double (*out)[kMostVectors][4]);
   /// The state at a time since the start of the step.
-  void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, int vectors, double t,
-                   double (*state)[4]);
+  void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, int vectors, double t, double (*state)[4]);
 };
 
 /// For the instruction set of ThetaMotion::best_target().

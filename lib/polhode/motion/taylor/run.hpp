@@ -32,7 +32,8 @@ struct Engine {
     }
     [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
       (set_kind<std::remove_cvref_t<decltype(series.euler_weights)>>(std::get<k>(series.torques)), ...);
-    }(std::index_sequence_for<Kinds<Vector, 1>...>{});
+    }
+    (std::index_sequence_for<Kinds<Vector, 1>...>{});
   }
   static void set_lane(Vector& v, int i, long double value) { v[i] = static_cast<double>(value); }
   static void set_lane(PreciseVector& v, int i, long double value) {
@@ -46,7 +47,7 @@ struct Engine {
   }
   template <class V, class Kind>
   void set_kind(Kind& kind) {
-    const auto set_all = [&](auto& vector, const long double (&values)[3]) {
+    const auto set_all = [&](auto& vector, const long double(&values)[3]) {
       for (int i = 0; i < 3; ++i) set_lane(vector, i, values[i]);
     };
     const long double(&w)[3] = problem.euler_weights;
@@ -94,7 +95,6 @@ struct Engine {
       plain.next(n);
     }
   }
-
 };
 
 inline double larger(double a, double b) { return a > b ? a : b; }
@@ -136,8 +136,8 @@ inline double smaller(double a, double b) { return a < b ? a : b; }
   return Vector{part(0), part(16), part(32), part(48)};
 }
 
-/// Orders in which the difference is carried along: by a seventh or eighth order a swing of up to 1.7 rad in a step does
-/// not grow, which by a fifth or sixth it would.
+/// Orders in which the difference is carried along: by a seventh or eighth order a swing of up to 1.7 rad in a step
+/// does not grow, which by a fifth or sixth it would.
 inline constexpr int kVariationOrders = 8;
 
 template <bool precise, class Around, template <class, int> class... Kinds>
@@ -182,7 +182,8 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
       }
       [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
         for (int n = 0; n < kPreciseOrders; ++n) (std::get<k>(plain.torques).take(std::get<k>(low.torques), n), ...);
-      }(std::index_sequence_for<Kinds<Vector, 1>...>{});
+      }
+      (std::index_sequence_for<Kinds<Vector, 1>...>{});
     } else {
       for (int i = 0; i < vectors; ++i) plain.state(i).set(0, high[i]);
     }
@@ -271,7 +272,7 @@ int advance(const Problem& problem, const Stepping& stepping, int most, Front& f
 
 template <class Around, template <class, int> class... Kinds>
 void coefficients_of(const Problem& problem, const StepStart& start, int order, double length,
-                  double (*out)[kMostVectors][4]) {
+                     double (*out)[kMostVectors][4]) {
   using E = Engine<Around, Kinds...>;
   E engine(problem);
   engine.around.begin(start, order, length);
@@ -305,18 +306,17 @@ struct Entry {
 template <class Around, template <class, int> class... Kinds>
 inline constexpr Entry kEntry = {advance<Around, Kinds...>, coefficients_of<Around, Kinds...>};
 inline constexpr Entry kEntries[] = {
-    kEntry<NoSurroundings<2>>,                                         // a torque that keeps its components
-    kEntry<NoSurroundings<2>, Damping>,                                //
-    kEntry<PlanarOrbit<false>, Pull<2>::Kind>,                         // and one point mass
-    kEntry<PlanarOrbit<false>, Pull<2>::Kind, Damping>,                //
-    kEntry<NoSurroundings<3>, Damping, Outside, Slip>,                 // all that needs no surroundings
-    kEntry<AnySurroundings, Tide>,                                     // point masses on any ways
-    kEntry<AnySurroundings, Tide, Damping, Outside, Eddy, Slip>,       // everything
-    kEntry<PlanarOrbit<true>, Pull<2>::Kind, Damping, Eddy>,           // a dipole at the only point mass
+    kEntry<NoSurroundings<2>>,                                    // a torque that keeps its components
+    kEntry<NoSurroundings<2>, Damping>,                           //
+    kEntry<PlanarOrbit<false>, Pull<2>::Kind>,                    // and one point mass
+    kEntry<PlanarOrbit<false>, Pull<2>::Kind, Damping>,           //
+    kEntry<NoSurroundings<3>, Damping, Outside, Slip>,            // all that needs no surroundings
+    kEntry<AnySurroundings, Tide>,                                // point masses on any ways
+    kEntry<AnySurroundings, Tide, Damping, Outside, Eddy, Slip>,  // everything
+    kEntry<PlanarOrbit<true>, Pull<2>::Kind, Damping, Eddy>,      // a dipole at the only point mass
 };
 
-inline int advance_entry(const Problem& problem, const Stepping& stepping, int most, Front& front,
-                         StepStart* starts) {
+inline int advance_entry(const Problem& problem, const Stepping& stepping, int most, Front& front, StepStart* starts) {
   return kEntries[problem.kinds].advance(problem, stepping, most, front, starts);
 }
 inline void coefficients_entry(const Problem& problem, const StepStart& start, int order, double length,

@@ -3,7 +3,8 @@
 // The equations of motion as power series in time. With the rate omega in the principal axes, and the directions a_k of
 // fixed axes seen from there,
 //
-//     omega' = w * (omega_2 omega_3, ...) + torque over the moments,      a_k' = a_k x omega,      w = (I2 - I3)/I1, ...
+//     omega' = w * (omega_2 omega_3, ...) + torque over the moments,      a_k' = a_k x omega,      w = (I2 - I3)/I1,
+//     ...
 //
 // and every torque here is made of products of such vectors, so that the coefficient n of each product is a sum over
 // coefficients that are known (Moore 1966, Interval Analysis; Jorba & Zou 2005, Exper. Math. 14, 99). A vector is one
@@ -15,8 +16,6 @@
 #include "polhode/motion/taylor/vectors.hpp"
 
 namespace polhode::taylor {
-
-
 
 inline namespace POLHODE_TARGET {
 
@@ -93,7 +92,7 @@ struct Series {
   static constexpr bool slips = [] {
     if constexpr (sizeof...(Kinds) > 0) {
       using Last = std::tuple_element_t<sizeof...(Kinds) - 1, std::tuple<Kinds<V, orders>...>>;
-      return requires(Last& last) { last.rate; };
+      return requires(Last & last) { last.rate; };
     } else {
       return false;
     }
@@ -117,23 +116,26 @@ struct Series {
     const auto for_each_torque = [&](const auto& use) __attribute__((always_inline)) {
       [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
         (use(std::get<i>(torques), std::get<i>(sums)), ...);
-      }(std::index_sequence_for<Kinds<V, orders>...>{});
+      }
+      (std::index_sequence_for<Kinds<V, orders>...>{});
     };
     for (int j = 1; j < n; ++j) {
       products.add(body.omega, j, n);
       for (int k = 0; k < axes; ++k) turn[k].add(body.axis[k], turning_rate(), j, n);
       for_each_torque([&](auto& torque, auto& sum) __attribute__((always_inline)) { torque.add(body, sum, j, n); });
     }
-    add_newest([&](int j, int m) __attribute__((always_inline)) { products.add(body.omega, j, m); }, n);
+    add_newest(
+        [&](int j, int m) __attribute__((always_inline)) { products.add(body.omega, j, m); }, n);
     if constexpr (slips) std::get<sizeof...(Kinds) - 1>(torques).slip(body, products.xyz(), n);
     for (int k = 0; k < axes; ++k) {
-      add_newest([&](int j, int m) __attribute__((always_inline)) { turn[k].add(body.axis[k], turning_rate(), j, m); },
-                 n);
+      add_newest(
+          [&](int j, int m) __attribute__((always_inline)) { turn[k].add(body.axis[k], turning_rate(), j, m); }, n);
     }
     V change = {};
     if (n == 0) change = constant;
     add_product(change, products.xyz(), euler_weights);
-    for_each_torque([&](auto& torque, auto& sum) __attribute__((always_inline)) { torque.finish(body, sum, n, change); });
+    for_each_torque([&](auto& torque, auto& sum)
+                        __attribute__((always_inline)) { torque.finish(body, sum, n, change); });
     const double share = 1.0 / (n + 1);
     body.omega.set(n + 1, over(change, n + 1, share));
     for (int k = 0; k < axes; ++k) body.axis[k].set(n + 1, over(turn[k].xyz(), n + 1, share));
@@ -166,7 +168,8 @@ struct Variation {
     add_product(change, products.xyz(), series.euler_weights);
     [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
       (std::get<i>(series.torques).vary(series, *this, std::get<i>(varied), n, change), ...);
-    }(std::make_index_sequence<std::tuple_size_v<decltype(varied)>>{});
+    }
+    (std::make_index_sequence<std::tuple_size_v<decltype(varied)>>{});
     const Vector share = all(1.0 / (n + 1));
     turn.set(n + 1, (turning.xyz() + turning_rate) * share);
     omega.set(n + 1, change * share);

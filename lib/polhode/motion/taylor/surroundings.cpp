@@ -111,8 +111,8 @@ void find_surroundings(const Problem& problem, const StepStart& start, int order
       for (std::size_t p = 0; p < 6; ++p) {
         Coefficients both{};
         for (int n = 0; n <= way.orders; ++n) {
-          both[static_cast<std::size_t>(n)] = product(way.r[static_cast<std::size_t>(pairs[p][0])],
-                                                      way.r[static_cast<std::size_t>(pairs[p][1])], n);
+          both[static_cast<std::size_t>(n)] =
+              product(way.r[static_cast<std::size_t>(pairs[p][0])], way.r[static_cast<std::size_t>(pairs[p][1])], n);
           out.tide[p][n] += strength * product(both, way.per_fifth, n);
         }
       }
@@ -131,8 +131,8 @@ void find_surroundings(const Problem& problem, const StepStart& start, int order
         const double axis = eddy->dipole_axis[static_cast<Eigen::Index>(i)];
         for (int n = 0; n <= way.orders; ++n) {
           both[static_cast<std::size_t>(n)] = product(along, way.r[i], n);
-          out.field[i][n] = eddy->dipole_t_m3 * (3.0 * product(both, way.per_fifth, n) -
-                                                 axis * way.per_cube[static_cast<std::size_t>(n)]);
+          out.field[i][n] = eddy->dipole_t_m3 *
+                            (3.0 * product(both, way.per_fifth, n) - axis * way.per_cube[static_cast<std::size_t>(n)]);
           if (n > 0) out.change[i][n - 1] = n * out.field[i][n];
         }
       }

@@ -75,8 +75,11 @@ struct PreciseVector {
   add_product(low, a.low, b.high);
   return fast_two_sum(p, low);
 }
-[[gnu::always_inline]] inline PreciseVector operator*(const PreciseVector& a, double b) { return a * PreciseVector{all(b), Vector{}}; }
-/// The sum's parts may overlap by the lower parts of some products; the next product or sum of two brings them in order.
+[[gnu::always_inline]] inline PreciseVector operator*(const PreciseVector& a, double b) {
+  return a * PreciseVector{all(b), Vector{}};
+}
+/// The sum's parts may overlap by the lower parts of some products; the next product or sum of two brings them in
+/// order.
 [[gnu::always_inline]] inline void add_product(PreciseVector& to, const PreciseVector& a, const PreciseVector& b) {
   const Vector p = a.high * b.high;
   const PreciseVector sum = two_sum(to.high, p);
