@@ -8,7 +8,7 @@
 #include <random>
 #include <vector>
 
-#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/motion/taylor/equations.hpp"
 #include "polhode/motion/theta.hpp"
 
 namespace polhode {
@@ -136,18 +136,18 @@ TEST(SeriesMotion, KeepsItsPromise) {
 
 /// Every instruction set takes the same steps, but for roundings.
 TEST(SeriesMotion, InstructionSetsAgree) {
-  taylor::Problem problem;
-  problem.unit_s = 16.0;
+  taylor::Equations equations;
+  equations.unit_s = 16.0;
   const Vector3 moments(17000, 124800, 129200);
   for (int i = 0; i < 3; ++i) {
-    problem.euler_weights[i] = (moments[(i + 1) % 3] - moments[(i + 2) % 3]) / moments[i];
-    problem.inverse_moments[i] = moments[0] / moments[i];
-    problem.moments[i] = moments[i] / moments[0];
-    problem.damping[i][i] = -1e-3;
-    problem.constant[i] = 1e-3;
+    equations.euler_weights[i] = (moments[(i + 1) % 3] - moments[(i + 2) % 3]) / moments[i];
+    equations.inverse_moments[i] = moments[0] / moments[i];
+    equations.moments[i] = moments[i] / moments[0];
+    equations.damping[i][i] = -1e-3;
+    equations.constant[i] = 1e-3;
   }
   const KeplerOrbit orbit(low_orbit(0.3));
-  problem.orbit = {&orbit, 0.3, 7.146e6L * 1.3L, std::sqrt(kEarthMu / std::pow(7.146e6 * 1.3, 3)) * problem.unit_s};
+  equations.orbit = {&orbit, 0.3, 7.146e6L * 1.3L, std::sqrt(kEarthMu / std::pow(7.146e6 * 1.3, 3)) * equations.unit_s};
   for (const bool precise : {false, true}) {
     std::vector<taylor::Front> ends;
     for (const taylor::Kernel* kernel : taylor::kernels()) {
@@ -155,9 +155,9 @@ TEST(SeriesMotion, InstructionSetsAgree) {
       front.high[0][0] = 0.5, front.high[0][1] = 0.3, front.high[0][2] = 0.9;
       front.high[1][0] = front.high[2][1] = 1.0;
       front.longest = 10.0;
-      problem.kinds = 3;
+      equations.kinds = 3;
       taylor::StepStart starts[200];
-      const int taken = kernel->advance(problem, {60.0, 1e-14, 16, precise}, 200, front, starts);
+      const int taken = kernel->advance(equations, {60.0, 1e-14, 16, precise}, 200, front, starts);
       EXPECT_EQ(front.t_high, 60.0) << kernel->name;
       EXPECT_GT(taken, 20);
       ends.push_back(front);

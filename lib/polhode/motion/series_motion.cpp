@@ -9,7 +9,7 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
-#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/motion/taylor/equations.hpp"
 #include "polhode/motion/theta.hpp"
 
 namespace polhode {
@@ -132,27 +132,27 @@ Matrix3Of<Extended> fixed_axes(const Parts& parts) {
   return axes;
 }
 
-taylor::Problem problem_of(const Vector3& I, const Torques& torques, double unit_s) {
+taylor::Equations equations_of(const Vector3& I, const Torques& torques, double unit_s) {
   const Parts parts = parts_of(torques);
-  taylor::Problem problem;
-  problem.unit_s = unit_s;
-  problem.kinds = kinds_of(parts);
-  problem.slip = static_cast<Extended>(parts.relaxation) * I[0] / unit_s;
+  taylor::Equations equations;
+  equations.unit_s = unit_s;
+  equations.kinds = kinds_of(parts);
+  equations.slip = static_cast<Extended>(parts.relaxation) * I[0] / unit_s;
   for (int i = 0; i < 3; ++i) {
     const Extended a = I[(i + 1) % 3], b = I[(i + 2) % 3], c = I[i], first = I[0];
-    problem.euler_weights[i] = (a - b) / c;
-    problem.moments[i] = c / first;
-    problem.inverse_moments[i] = first / c;
-    problem.constant[i] = parts.constant[i] / c * unit_s * unit_s;
-    problem.outside[i] = parts.outside[i] / first * unit_s * unit_s;
+    equations.euler_weights[i] = (a - b) / c;
+    equations.moments[i] = c / first;
+    equations.inverse_moments[i] = first / c;
+    equations.constant[i] = parts.constant[i] / c * unit_s * unit_s;
+    equations.outside[i] = parts.outside[i] / first * unit_s * unit_s;
     for (int k = 0; k < 3; ++k) {
-      problem.damping[k][i] = -parts.damping(i, k) / c * unit_s;
-      problem.magnetic_tensor[k][i] = parts.magnetic_tensor_s_m4(i, k) / I[0] * unit_s;
+      equations.damping[k][i] = -parts.damping(i, k) / c * unit_s;
+      equations.magnetic_tensor[k][i] = parts.magnetic_tensor_s_m4(i, k) / I[0] * unit_s;
     }
   }
   if (parts.plane()) {
     const KeplerElements& elements = parts.only_orbit->elements();
-    taylor::Problem::Orbit& o = problem.orbit;
+    taylor::Equations::Orbit& o = equations.orbit;
     o.orbit = parts.only_orbit;
     o.eccentricity = elements.eccentricity;
     o.parameter_m = elements.periapsis_m * (Extended(1) + elements.eccentricity);
@@ -160,7 +160,7 @@ taylor::Problem problem_of(const Vector3& I, const Torques& torques, double unit
     const Vector3 dipole = fixed_axes(parts).cast<double>().transpose() * parts.dipole_t_m3;
     for (int i = 0; i < 3; ++i) o.dipole[i] = dipole[i] / std::pow(static_cast<double>(o.parameter_m), 3);
   }
-  return problem;
+  return equations;
 }
 
 /// A power of two, in which the body turns by about one.
@@ -198,8 +198,8 @@ Quaternion attitude(const Quaternion& inertial_from_fixed, const double* first, 
 }  // namespace
 
 struct SeriesMotion::Leg {
-  taylor::Problem problem;
-  std::shared_ptr<const Torques> torques;  // that the problem points to
+  taylor::Equations equations;
+  std::shared_ptr<const Torques> torques;  // that the equations point to
   Quaternion inertial_from_fixed;          // of the fixed axes
   std::vector<taylor::StepStart> steps;
   double end_s = 0.0;
@@ -236,7 +236,7 @@ class SeriesMotion::Builder {
                 Quaternion(ExtendedQuaternion(axes_).cast<double>()),
                 {},
                 to_s};
-        leg.problem = problem_of(body.principal_moments, *leg.torques, unit_s_);
+        leg.equations = equations_of(body.principal_moments, *leg.torques, unit_s_);
         (forward ? forward_ : backward_).push_back(std::move(leg));
         from_s = to_s;
       }
@@ -252,7 +252,7 @@ class SeriesMotion::Builder {
     const double end = legs.back().end_s / unit_s_;
     for (std::size_t l = 0; l < legs.size(); ++l) {
       Leg& leg = legs[l];
-      leg.problem.torques = leg.torques.get();
+      leg.equations.torques = leg.torques.get();
       front.until_exact_orbit = 0;
       front.longest = std::numeric_limits<double>::max();
       const double leg_end = leg.end_s / unit_s_;
@@ -267,7 +267,7 @@ class SeriesMotion::Builder {
         }
         const std::size_t before = leg.steps.size();
         leg.steps.resize(before + SteppingTuning::at_once);
-        const int taken = kernel_.advance(leg.problem, stepping, SteppingTuning::at_once, front, &leg.steps[before]);
+        const int taken = kernel_.advance(leg.equations, stepping, SteppingTuning::at_once, front, &leg.steps[before]);
         leg.steps.resize(before + static_cast<std::size_t>(taken));
         left_ -= order * static_cast<std::size_t>(taken);
         coefficients_ += order * static_cast<std::size_t>(taken);
@@ -386,9 +386,9 @@ struct SeriesMotion::Series {
 bool SeriesMotion::is_in(const Place& place, double t_s) const {
   if (place.leg == nullptr || t_s == 0.0) return false;
   const std::vector<taylor::StepStart>& steps = place.leg->steps;
-  const double t = t_s / place.leg->problem.unit_s, from = steps[place.step].t_high;
+  const double t = t_s / place.leg->equations.unit_s, from = steps[place.step].t_high;
   const double to =
-      place.step + 1 < steps.size() ? steps[place.step + 1].t_high : place.leg->end_s / place.leg->problem.unit_s;
+      place.step + 1 < steps.size() ? steps[place.step + 1].t_high : place.leg->end_s / place.leg->equations.unit_s;
   return from < to ? from <= t && t < to : to < t && t <= from;
 }
 
@@ -404,7 +404,7 @@ SeriesMotion::Place SeriesMotion::place(double t_s) const {
   const double away_s = std::abs(t_s);
   const Leg& leg =
       *std::find_if(legs.begin(), legs.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.end_s); });
-  const double away = away_s / leg.problem.unit_s;
+  const double away = away_s / leg.equations.unit_s;
   const auto after =
       std::upper_bound(leg.steps.begin(), leg.steps.end(), away,
                        [](double t, const taylor::StepStart& start) { return t < std::abs(start.t_high); });
@@ -415,18 +415,18 @@ void SeriesMotion::expand(const Place& place, Series& series) const {
   const Leg& leg = *place.leg;
   const taylor::StepStart& start = leg.steps[place.step];
   const double end =
-      place.step + 1 < leg.steps.size() ? leg.steps[place.step + 1].t_high : leg.end_s / leg.problem.unit_s;
+      place.step + 1 < leg.steps.size() ? leg.steps[place.step + 1].t_high : leg.end_s / leg.equations.unit_s;
   series.place = place;
   series.q_at_start = attitude(leg.inertial_from_fixed, start.state[1], start.state[2]);
   series.q_at_start.coeffs() *= start.sign;
-  taylor::best_kernel().coefficients(leg.problem, start, start.order, std::abs(end - start.t_high),
+  taylor::best_kernel().coefficients(leg.equations, start, start.order, std::abs(end - start.t_high),
                                      series.coefficients);
 }
 
 State SeriesMotion::state(const Series& series, double t_high_s, double t_low_s) const {
   const Leg& leg = *series.place.leg;
   const taylor::StepStart& start = leg.steps[series.place.step];
-  const double unit_s = leg.problem.unit_s;
+  const double unit_s = leg.equations.unit_s;
   const double t = (t_high_s / unit_s - start.t_high) + (t_low_s / unit_s - start.t_low);
   double vectors[3][4];
   taylor::best_kernel().evaluate(series.coefficients, start.order, 3, t, vectors);

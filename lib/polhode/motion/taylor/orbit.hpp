@@ -1,6 +1,6 @@
 #pragma once
 
-#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/motion/taylor/equations.hpp"
 #include "polhode/motion/taylor/series.hpp"
 
 namespace polhode::taylor {
@@ -14,7 +14,7 @@ inline constexpr int kPreciseOrders = 5;
 template <int fixed_axes>
 struct NoSurroundings {
   static constexpr int axes = fixed_axes;
-  explicit NoSurroundings(const Problem& /*problem*/) {}
+  explicit NoSurroundings(const Equations& /*equations*/) {}
   void begin(const StepStart& /*start*/, int /*order*/, double /*longest*/) {}
   void next(int /*n*/) {}
   void find_precise(const long double (&/*state*/)[3]) {}
@@ -28,9 +28,9 @@ struct NoSurroundings {
 class AnySurroundings {
  public:
   static constexpr int axes = 3;
-  explicit AnySurroundings(const Problem& problem) : problem_(problem) {}
+  explicit AnySurroundings(const Equations& equations) : equations_(equations) {}
   void begin(const StepStart& start, int order, double longest) {
-    find_surroundings(problem_, start, order, longest, now_);
+    find_surroundings(equations_, start, order, longest, now_);
   }
   void next(int /*n*/) {}
   void find_precise(const long double (&/*state*/)[3]) {
@@ -55,7 +55,7 @@ class AnySurroundings {
   struct Low {
     TwoParts tide[6][kPreciseOrders + 1], field[3][kPreciseOrders + 1], change[3][kPreciseOrders + 1];
   };
-  const Problem& problem_;
+  const Equations& equations_;
   Surroundings now_;
   Low low_;
 };
@@ -80,12 +80,12 @@ class PlanarOrbit {
   const double* change(int k, double /*like*/) const { return change_[k]; }
   const TwoParts* change(int k, TwoParts /*like*/) const { return low_change_[k]; }
 
-  explicit PlanarOrbit(const Problem& problem)
-      : eccentricity_(problem.orbit.eccentricity),
-        rate_(static_cast<double>(problem.orbit.rate)),
+  explicit PlanarOrbit(const Equations& equations)
+      : eccentricity_(equations.orbit.eccentricity),
+        rate_(static_cast<double>(equations.orbit.rate)),
         strength_(kSqrt3 * rate_),
-        exact_rate_(problem.orbit.rate),
-        dipole_{problem.orbit.dipole[0], problem.orbit.dipole[1], problem.orbit.dipole[2]} {}
+        exact_rate_(equations.orbit.rate),
+        dipole_{equations.orbit.dipole[0], equations.orbit.dipole[1], equations.orbit.dipole[2]} {}
 
   /// The first coefficient; those after it come one by one, as far as they count within `longest`.
   void begin(const StepStart& start, int /*order*/, double longest) {

@@ -18,17 +18,17 @@ struct Engine {
   using Precise = Series<PreciseVector, kPreciseOrders, Around::axes, Kinds...>;
   static constexpr int vectors = Plain::vectors;
 
-  const Problem& problem;
+  const Equations& equations;
   Around around;
   Plain plain;
 
-  explicit Engine(const Problem& p) : problem(p), around(p) { set(plain); }
+  explicit Engine(const Equations& p) : equations(p), around(p) { set(plain); }
 
   template <class Any>
   void set(Any& series) {
     for (int i = 0; i < 3; ++i) {
-      set_lane(series.euler_weights, i, problem.euler_weights[i]);
-      set_lane(series.constant, i, problem.constant[i]);
+      set_lane(series.euler_weights, i, equations.euler_weights[i]);
+      set_lane(series.constant, i, equations.constant[i]);
     }
     [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
       (set_kind<std::remove_cvref_t<decltype(series.euler_weights)>>(std::get<k>(series.torques)), ...);
@@ -50,23 +50,24 @@ struct Engine {
     const auto set_all = [&](auto& vector, const long double(&values)[3]) {
       for (int i = 0; i < 3; ++i) set_lane(vector, i, values[i]);
     };
-    const long double(&w)[3] = problem.euler_weights;
+    const long double(&w)[3] = equations.euler_weights;
     if constexpr (requires { kind.weights; }) set_all(kind.weights, {-w[0], -w[1], -w[2]});
-    if constexpr (requires { kind.inverse_moments; }) set_all(kind.inverse_moments, problem.inverse_moments);
+    if constexpr (requires { kind.inverse_moments; }) set_all(kind.inverse_moments, equations.inverse_moments);
     if constexpr (requires { kind.rate; }) {
-      const long double(&m)[3] = problem.moments;
-      set_all(kind.weights, {problem.slip * (m[1] - m[2]), problem.slip * (m[2] - m[0]), problem.slip * (m[0] - m[1])});
+      const long double(&m)[3] = equations.moments;
+      set_all(kind.weights,
+              {equations.slip * (m[1] - m[2]), equations.slip * (m[2] - m[0]), equations.slip * (m[0] - m[1])});
       set_all(kind.moments, m);
     }
     if constexpr (requires { kind.components; }) {
-      for (int k = 0; k < 3; ++k) set_number(kind.components[k], problem.outside[k]);
+      for (int k = 0; k < 3; ++k) set_number(kind.components[k], equations.outside[k]);
     }
     if constexpr (requires { kind.columns; }) {
       for (int k = 0; k < 3; ++k) {
         if constexpr (requires { kind.field; }) {
-          for (int i = 0; i < 3; ++i) set_lane(kind.columns[k], i, problem.magnetic_tensor[k][i]);
+          for (int i = 0; i < 3; ++i) set_lane(kind.columns[k], i, equations.magnetic_tensor[k][i]);
         } else {
-          set_all(kind.columns[k], problem.damping[k]);
+          set_all(kind.columns[k], equations.damping[k]);
         }
       }
     }
@@ -141,10 +142,10 @@ inline double smaller(double a, double b) { return a < b ? a : b; }
 inline constexpr int kVariationOrders = 8;
 
 template <bool precise, class Around, template <class, int> class... Kinds>
-int advance_with(const Problem& problem, const Stepping& stepping, int most, Front& front, StepStart* starts) {
+int advance_with(const Equations& equations, const Stepping& stepping, int most, Front& front, StepStart* starts) {
   using E = Engine<Around, Kinds...>;
   constexpr int vectors = E::vectors;
-  E engine(problem);
+  E engine(equations);
   typename E::Precise low;
   if constexpr (precise) engine.set(low);
   Variation<kVariationOrders, typename E::Plain> variation;
@@ -157,8 +158,8 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
   const double direction = stepping.end > front.t_high ? 1.0 : -1.0;
   int taken = 0;
   while (taken < most && front.t_high != stepping.end) {
-    if (problem.orbit.orbit != nullptr && --front.until_exact_orbit <= 0) {
-      exact_orbit(problem, front.t_high, front.t_low, front.orbit);
+    if (equations.orbit.orbit != nullptr && --front.until_exact_orbit <= 0) {
+      exact_orbit(equations, front.t_high, front.t_low, front.orbit);
       front.until_exact_orbit = kStepsBetweenExactOrbits;
     }
     StepStart& start = starts[taken++];
@@ -265,16 +266,16 @@ int advance_with(const Problem& problem, const Stepping& stepping, int most, Fro
 }
 
 template <class Around, template <class, int> class... Kinds>
-int advance(const Problem& problem, const Stepping& stepping, int most, Front& front, StepStart* starts) {
-  return stepping.precise ? advance_with<true, Around, Kinds...>(problem, stepping, most, front, starts)
-                          : advance_with<false, Around, Kinds...>(problem, stepping, most, front, starts);
+int advance(const Equations& equations, const Stepping& stepping, int most, Front& front, StepStart* starts) {
+  return stepping.precise ? advance_with<true, Around, Kinds...>(equations, stepping, most, front, starts)
+                          : advance_with<false, Around, Kinds...>(equations, stepping, most, front, starts);
 }
 
 template <class Around, template <class, int> class... Kinds>
-void coefficients_of(const Problem& problem, const StepStart& start, int order, double length,
+void coefficients_of(const Equations& equations, const StepStart& start, int order, double length,
                      double (*out)[kMostVectors][4]) {
   using E = Engine<Around, Kinds...>;
-  E engine(problem);
+  E engine(equations);
   engine.around.begin(start, order, length);
   for (int i = 0; i < E::vectors; ++i) {
     engine.plain.state(i).set(0, Vector{start.state[i][0], start.state[i][1], start.state[i][2], 0.0});
@@ -300,8 +301,8 @@ inline void evaluate(const double (*coefficients)[kMostVectors][4], int order, i
 
 /// The sets of torques that are compiled; the first that has all of a body's torques serves.
 struct Entry {
-  int (*advance)(const Problem&, const Stepping&, int, Front&, StepStart*);
-  void (*coefficients)(const Problem&, const StepStart&, int, double, double (*)[kMostVectors][4]);
+  int (*advance)(const Equations&, const Stepping&, int, Front&, StepStart*);
+  void (*coefficients)(const Equations&, const StepStart&, int, double, double (*)[kMostVectors][4]);
 };
 template <class Around, template <class, int> class... Kinds>
 inline constexpr Entry kEntry = {advance<Around, Kinds...>, coefficients_of<Around, Kinds...>};
@@ -316,12 +317,13 @@ inline constexpr Entry kEntries[] = {
     kEntry<PlanarOrbit<true>, Pull<2>::Kind, Damping, Eddy>,      // a dipole at the only point mass
 };
 
-inline int advance_entry(const Problem& problem, const Stepping& stepping, int most, Front& front, StepStart* starts) {
-  return kEntries[problem.kinds].advance(problem, stepping, most, front, starts);
+inline int advance_entry(const Equations& equations, const Stepping& stepping, int most, Front& front,
+                         StepStart* starts) {
+  return kEntries[equations.kinds].advance(equations, stepping, most, front, starts);
 }
-inline void coefficients_entry(const Problem& problem, const StepStart& start, int order, double length,
+inline void coefficients_entry(const Equations& equations, const StepStart& start, int order, double length,
                                double (*out)[kMostVectors][4]) {
-  kEntries[problem.kinds].coefficients(problem, start, order, length, out);
+  kEntries[equations.kinds].coefficients(equations, start, order, length, out);
 }
 
 }  // namespace POLHODE_TARGET

@@ -12,7 +12,7 @@
 
 #include <tuple>
 
-#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/motion/taylor/equations.hpp"
 #include "polhode/motion/taylor/vectors.hpp"
 
 namespace polhode::taylor {

@@ -1,14 +1,14 @@
 #include <algorithm>
 #include <cmath>
 
-#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/motion/taylor/equations.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode::taylor {
 
-void exact_orbit(const Problem& problem, double t_high, double t_low, long double (&state)[3]) {
-  const Problem::Orbit& o = problem.orbit;
-  const long double t_s = (static_cast<long double>(t_high) + t_low) * problem.unit_s;
+void exact_orbit(const Equations& equations, double t_high, double t_low, long double (&state)[3]) {
+  const Equations::Orbit& o = equations.orbit;
+  const long double t_s = (static_cast<long double>(t_high) + t_low) * equations.unit_s;
   const Vector3Of<long double> place = o.orbit->state(t_s).position_m;
   const auto axes = o.orbit->axes();
   const long double distance = place.norm();
@@ -49,8 +49,9 @@ struct Way {
   double longest = 0.0;
 };
 
-Way way_of(const Trajectory& trajectory, const Problem& problem, const StepStart& start, int order, double longest) {
-  const double unit_s = problem.unit_s;
+Way way_of(const Trajectory& trajectory, const Equations& equations, const StepStart& start, int order,
+           double longest) {
+  const double unit_s = equations.unit_s;
   const long double t_exact_s = (static_cast<long double>(start.t_high) + start.t_low) * unit_s;
   Way way;
   double rate = 0.0;
@@ -68,11 +69,12 @@ Way way_of(const Trajectory& trajectory, const Problem& problem, const StepStart
     const double t_s = std::clamp(static_cast<double>(t_exact_s), table->first_s(), table->last_s());
     const TabulatedOrbit::Piece piece = table->piece(t_s, start.direction > 0);
     double scale = 1.0;
-    for (int n = 0; n <= std::min(piece.degree, order); ++n, scale *= unit_s) {
+    for (int n = 0; n <= std::min(piece.degree, order); ++n) {
       for (std::size_t i = 0; i < 3; ++i) {
         way.r[i][static_cast<std::size_t>(n)] =
             piece.coefficients[static_cast<std::size_t>(n)][static_cast<Eigen::Index>(i)] * scale;
       }
+      scale *= unit_s;
     }
     rate = piece.coefficients[1].norm() / piece.coefficients[0].norm() * unit_s;
     way.longest = std::min(kShareOfTimeScale / rate, std::abs(piece.end_s - t_s) / unit_s);
@@ -95,16 +97,17 @@ Way way_of(const Trajectory& trajectory, const Problem& problem, const StepStart
 
 }  // namespace
 
-void find_surroundings(const Problem& problem, const StepStart& start, int order, double longest, Surroundings& out) {
+void find_surroundings(const Equations& equations, const StepStart& start, int order, double longest,
+                       Surroundings& out) {
   const auto orders = static_cast<std::size_t>(order) + 1;
   for (auto& series : out.tide) std::fill_n(series, orders, 0.0);
   for (auto& series : out.field) std::fill_n(series, orders, 0.0);
   for (auto& series : out.change) std::fill_n(series, orders, 0.0);
   out.longest = longest;
-  const double unit_s = problem.unit_s;
-  for (const Torque& torque : problem.torques->list()) {
+  const double unit_s = equations.unit_s;
+  for (const Torque& torque : equations.torques->list()) {
     if (const auto* pull = std::get_if<GravityGradient>(&torque)) {
-      const Way way = way_of(pull->trajectory, problem, start, order, longest);
+      const Way way = way_of(pull->trajectory, equations, start, order, longest);
       out.longest = std::min(out.longest, way.longest);
       const double strength = 3.0 * pull->mu_m3_s2 * unit_s * unit_s;
       constexpr int pairs[6][2] = {{0, 0}, {1, 1}, {2, 2}, {1, 2}, {2, 0}, {0, 1}};
@@ -117,7 +120,7 @@ void find_surroundings(const Problem& problem, const StepStart& start, int order
         }
       }
     } else if (const auto* eddy = std::get_if<EddyCurrents>(&torque)) {
-      const Way way = way_of(eddy->trajectory, problem, start, order, longest);
+      const Way way = way_of(eddy->trajectory, equations, start, order, longest);
       out.longest = std::min(out.longest, way.longest);
       Coefficients along{};  // of the dipole
       for (int n = 0; n <= way.orders; ++n) {

@@ -6,7 +6,7 @@
 
 #include "polhode/base/double_double.hpp"
 #include "polhode/base/target.hpp"
-#include "polhode/motion/taylor/problem.hpp"
+#include "polhode/motion/taylor/equations.hpp"
 
 #if defined(__AVX2__)
 #include <immintrin.h>

@@ -20,7 +20,7 @@ struct TwoParts {
 };
 
 /// The body and its torques in numbers. The unit of time is `unit_s`, a power of two; x, y, z are the principal axes.
-struct Problem {
+struct Equations {
   double unit_s = 1.0;
   long double euler_weights[3];    ///< (I2 - I3)/I1, ...
   long double constant[3] = {};    ///< the torque that keeps its components, over the moments
@@ -87,16 +87,17 @@ struct Surroundings {
   double longest;                    ///< how far they hold
 };
 /// About the start of a step (surroundings.cpp).
-void find_surroundings(const Problem& problem, const StepStart& start, int order, double longest, Surroundings& out);
+void find_surroundings(const Equations& equations, const StepStart& start, int order, double longest,
+                       Surroundings& out);
 /// The orbit at a time, in the form of Front::orbit.
-void exact_orbit(const Problem& problem, double t_high, double t_low, long double (&state)[3]);
+void exact_orbit(const Equations& equations, double t_high, double t_low, long double (&state)[3]);
 
 struct Kernel {
   const char* name;
   /// Takes up to `most` steps, as far as the end; returns how many.
-  int (*advance)(const Problem& problem, const Stepping& stepping, int most, Front& front, StepStart* starts);
+  int (*advance)(const Equations& equations, const Stepping& stepping, int most, Front& front, StepStart* starts);
   /// The coefficients of the state, [order][vector][component], order + 1 of them.
-  void (*coefficients)(const Problem& problem, const StepStart& start, int order, double length,
+  void (*coefficients)(const Equations& equations, const StepStart& start, int order, double length,
                        double (*out)[kMostVectors][4]);
   /// The state at a time since the start of the step.
   void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, int vectors, double t, double (*state)[4]);
