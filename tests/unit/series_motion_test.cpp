@@ -202,6 +202,7 @@ TEST(SeriesMotion, IsTheFreeMotionWithoutTorque) {
 TEST(SeriesMotion, BatchesAreTheSameBits) {
   const SeriesMotion motion(tumbler(), Torques({GravityGradient(kEarthMu, low_orbit(0.1))}), {1e-9, -500.0, 900.0});
   std::vector<double> times;
+  times.reserve(300);
   for (int i = 0; i < 300; ++i) times.push_back(i % 7 == 3 ? -450.0 : 3.0 * i);
   std::vector<double> q(4 * times.size()), m(3 * times.size());
   motion.batch({times}, StateArrays::of_structures(q.data(), m.data()));
@@ -216,7 +217,7 @@ TEST(SeriesMotion, BatchesAreTheSameBits) {
 TEST(SeriesMotion, QuaternionIsContinuous) {
   const SeriesMotion motion(tumbler(), Torques({GravityGradient(kEarthMu, low_orbit(0.1))}), {1e-6, -3000.0, 3000.0});
   Quaternion before = motion.at(-3000.0).q_inertial_from_body;
-  for (double t = -2999.0; t <= 3000.0; t += 1.0) {
+  for (int t = -2999; t <= 3000; ++t) {
     const Quaternion now = motion.at(t).q_inertial_from_body;
     EXPECT_GT(now.dot(before), 0.9) << t;
     before = now;
