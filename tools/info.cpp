@@ -8,26 +8,16 @@
 #include <vector>
 
 #include "output.hpp"
-#include "polhode/base/error.hpp"
 #include "polhode/body/invariants.hpp"
-#include "polhode/body/phase.hpp"
-#include "polhode/motion/events.hpp"
-#include "polhode/motion/free_body.hpp"
 #include "polhode/read/body.hpp"
+#include "report.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr double hour_s = 3600.0;
 constexpr double day_s = 86400.0;
-constexpr double close_to_separatrix = 1e-4;
-
-constexpr const char* axis_words[3] = {"long", "intermediate", "short"};
-
-Json list(const Vector3& v) { return {v[0], v[1], v[2]}; }
 
 std::string duration(double seconds) {
   if (!std::isfinite(seconds)) return "infinite";
@@ -57,57 +47,6 @@ std::string axis_in_file(const Vector3& axis) {
     if (std::abs(axis[k]) == 1.0) return fmt::format("{}{}", axis[k] < 0.0 ? "-" : "", "xyz"[k]);
   }
   return fmt::format("({:+.6f}, {:+.6f}, {:+.6f})", axis[0], axis[1], axis[2]);
-}
-
-// What there is to say about one body: gathered once, printed as text or JSON.
-struct Report {
-  std::string path;
-  Body body;
-  std::optional<SpinInvariants> spin;
-  std::optional<Vector3> momentum_ecliptic, momentum_icrf;
-  std::optional<AttitudeHistory> history;
-  std::optional<double> next_flip_s;  // from the epoch
-};
-
-Report report_on(const std::string& path) {
-  BodyAndHistory file = read_body_and_history(path);
-  Report report{path,         std::move(file.body),    std::nullopt, std::nullopt,
-                std::nullopt, std::move(file.history), std::nullopt};
-  Body& body = report.body;
-  for (const std::string& what : body.missing) {
-    body.warnings.push_back((report.history ? "cannot be propagated beyond its attitude history; it lacks "
-                                            : "cannot be propagated; it lacks ") +
-                            what);
-  }
-  if (!body.inertia) {
-    body.warnings.push_back("no inertia is given: nothing can be said about the motion");
-  } else if (!body.inertia->absolute && !body.any_inertia) {
-    body.warnings.push_back(
-        "the inertia is known as ratios only: free motion needs no more, torques cannot be computed");
-  }
-  if (!body.state || !body.state->omega_named_rad_s) {
-    body.warnings.push_back("no angular velocity or momentum is given: nothing can be said about the motion");
-  } else if (body.inertia) {
-    report.spin = spin_invariants(*body.inertia, momentum_principal(body));
-    if (!body.state->q_frame_from_named) {
-      body.warnings.push_back("no attitude is given: the body's axes cannot be placed in the frame");
-    } else if (report.spin->mode != RotationMode::rest) {
-      report.momentum_ecliptic = momentum_in_frame(body, Frame::ecliptic_j2000);
-      report.momentum_icrf = momentum_in_frame(body, Frame::icrf);
-    }
-    if (body.missing.empty() && report.spin->polhode_period_s) {
-      report.next_flip_s = next_flip_s(ThetaMotion(free_body(body)), 0.0);
-    }
-    if (report.spin->separatrix_distance && *report.spin->separatrix_distance < close_to_separatrix) {
-      body.warnings.push_back(
-          "close to the separatrix: mode and periods hang on the last digits of the inertia and of the rate");
-    }
-    if (report.spin->mode == RotationMode::principal_axis && report.spin->rotation_axis == 1) {
-      body.warnings.push_back("rotation about the intermediate axis is unstable: the smallest disturbance flips it");
-    }
-  }
-  if (const auto caution = phase_warning(body)) body.warnings.push_back(*caution);
-  return report;
 }
 
 class Page {
@@ -215,103 +154,6 @@ void print(Page& page, const Report& report) {
   for (const std::string& warning : body.warnings) page.heading("warning: {}", warning);
 }
 
-Json json(const AxisMotion& axis) {
-  return {{"precession_period_s", axis.precession_period_s},
-          {"least_angle_deg", axis.least_angle_rad * degrees},
-          {"greatest_angle_deg", axis.greatest_angle_rad * degrees}};
-}
-
-Json json(const Direction& direction) { return {direction.longitude_rad * degrees, direction.latitude_rad * degrees}; }
-
-Json json(const AttitudeHistory& history) {
-  Json out{{"object", history.object},
-           {"scale", name(history.scale)},
-           {"rows", history.rows()},
-           {"segments", Json::array()}};
-  for (const AttitudeSegment& s : history.segments) {
-    const Eigen::Vector4d q = scalar_first(s.samples.front().q_frame_from_body);
-    out["segments"].push_back({{"frame", s.frame},
-                               {"body", s.body},
-                               {"start", format_date(s.samples.front().time, history.scale, 9)},
-                               {"stop", format_date(s.samples.back().time, history.scale, 9)},
-                               {"usable_start", format_date(s.first(), history.scale, 9)},
-                               {"usable_stop", format_date(s.last(), history.scale, 9)},
-                               {"rows", s.samples.size()},
-                               {"rates", s.has_rates()},
-                               {"interpolation", name(s.method)},
-                               {"degree", s.degree},
-                               {"interpolation_stated", s.method_stated},
-                               {"first_q_frame_from_body_scalar_first", {q[0], q[1], q[2], q[3]}}});
-  }
-  return out;
-}
-
-Json json(const Report& report) {
-  const Body& body = report.body;
-  Json out{{"file", report.path}, {"name", body.name}, {"id", body.id}, {"source", body.source}};
-  if (body.inertia && !body.any_inertia) {
-    const Inertia& inertia = *body.inertia;
-    Json axes = Json::array();
-    for (int k = 0; k < 3; ++k) axes.push_back(list(inertia.named_from_principal.col(k)));
-    out["inertia"] = {{"unit", inertia.absolute ? "kg m2" : "ratios"},
-                      {"principal_moments", list(inertia.principal_moments)},
-                      {"principal_axes_in_body", axes},
-                      {"ellipsoid_axis_ratios", list(equivalent_ellipsoid_ratios(inertia))}};
-  }
-  if (body.state) {
-    const SpinState& state = *body.state;
-    out["state"] = {{"epoch", format_date(state.epoch, state.epoch_scale, 9)},
-                    {"scale", name(state.epoch_scale)},
-                    {"frame", name(state.frame)}};
-    if (state.q_frame_from_named) {
-      const Eigen::Vector4d q = scalar_first(*state.q_frame_from_named);
-      out["state"]["q_frame_from_body_scalar_first"] = {q[0], q[1], q[2], q[3]};
-    }
-    if (state.omega_named_rad_s) out["state"]["omega_body_rad_s"] = list(*state.omega_named_rad_s);
-  }
-  if (report.spin) {
-    const SpinInvariants& spin = *report.spin;
-    const bool absolute = body.inertia->absolute;
-    Json motion{{"mode", name(body.any_inertia ? RotationMode::principal_axis : spin.mode)}};
-    if (!body.any_inertia) {
-      motion[absolute ? "momentum_N_m_s" : "momentum_ratios_rad_s"] = spin.momentum;
-      motion[absolute ? "twice_energy_J" : "twice_energy_ratios_rad2_s2"] = spin.twice_energy;
-    }
-    if (spin.rotation_axis >= 0) motion["axis"] = axis_words[spin.rotation_axis];
-    if (spin.rotation_period_s) motion["rotation_period_s"] = *spin.rotation_period_s;
-    if (report.momentum_icrf) {
-      motion["momentum_ecliptic_deg"] = json(direction_of(*report.momentum_ecliptic));
-      motion["momentum_equatorial_deg"] = json(direction_of(*report.momentum_icrf));
-    }
-    if (!body.any_inertia) {
-      motion["energy_above_ground_relative"] = spin.energy_above_ground;  // E/E0 - 1
-      motion["separatrix_offset"] = spin.separatrix_offset;
-    }
-    if (spin.polhode_period_s) {
-      motion["separatrix_distance"] = *spin.separatrix_distance;
-      motion["polhode_period_s"] = *spin.polhode_period_s;  // null where infinite
-      motion["long_axis"] = json(*spin.long_axis);
-      motion["short_axis"] = json(*spin.short_axis);
-      if (report.next_flip_s) motion["first_flip_after_epoch_s"] = *report.next_flip_s;
-    }
-    out["motion"] = motion;
-  }
-  for (const StatedAttitude& attitude : body.attitudes) {
-    const Eigen::Vector4d q = scalar_first(attitude.q_frame_from_body);
-    Json stated{{"block", attitude.block},
-                {"frame", attitude.frame},
-                {"body", attitude.body},
-                {"q_frame_from_body_scalar_first", {q[0], q[1], q[2], q[3]}}};
-    if (attitude.omega_body_rad_s) stated["omega_body_rad_s"] = list(*attitude.omega_body_rad_s);
-    out["attitudes"].push_back(stated);
-  }
-  if (report.history) out["history"] = json(*report.history);
-  out["missing"] = body.missing;
-  out["notes"] = body.notes;
-  out["warnings"] = body.warnings;
-  return out;
-}
-
 }  // namespace
 
 void add_info(CLI::App& app) {
@@ -331,9 +173,9 @@ void add_info(CLI::App& app) {
   command->add_flag("--json", options->as_json, "a JSON list, one object for each file");
   command->callback([options] {
     Page page;
-    Json all = Json::array();
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const std::string& file : options->files) {
-      const Report report = report_on(file);
+      const Report report = report_on(file, read_body_and_history(file));
       if (options->as_json) {
         all.push_back(json(report));
       } else {
@@ -341,8 +183,9 @@ void add_info(CLI::App& app) {
         print(page, report);
       }
     }
-    write_standard_output(options->as_json ? all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"
-                                           : std::string(page.view()));
+    write_standard_output(options->as_json
+                              ? all.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n"
+                              : std::string(page.view()));
   });
 }
 

@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
@@ -14,19 +13,15 @@
 #include <variant>
 #include <vector>
 
+#include "body_in_motion.hpp"
 #include "dates.hpp"
 #include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
-#include "polhode/body/phase.hpp"
 #include "polhode/ephemeris/ephemeris.hpp"
 #include "polhode/ephemeris/resample.hpp"
-#include "polhode/ephemeris/row_spacing.hpp"
-#include "polhode/motion/conditioning.hpp"
-#include "polhode/motion/free_body.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/planner.hpp"
-#include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -215,24 +210,16 @@ bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& fi
   return true;
 }
 
-PrincipalMotion states_of(std::shared_ptr<const Motion> motion) {
-  return [motion = std::move(motion)](std::span<const double> high, std::span<const double> low, double* q, double* m) {
-    motion->batch({high, low}, StateArrays::of_structures(q, m));
-  };
-}
-
 /// What the rows of an inexact method are worth, by comparison with the exact motion.
-void measure_error(const FreeBody& free, const Body& body, Frame out_frame, Ephemeris& rows) {
-  const Method& exact = method("auto");
-  const TimeGrid& times = rows.times();
-  const auto elapsed_s = [&](std::size_t row) { return (times.instant(times.time(row, {})) - body.state->epoch).high; };
-  const MotionAccount account = free_motion_account(exact, free, elapsed_s(0), elapsed_s(times.size() - 1));
-  if (!account.max_error_rad) return;
-  const Ephemeris exact_rows({}, body, out_frame, times, states_of(exact.make(free)));
-  rows.description().promised_error_rad = largest_difference_rad(rows, exact_rows) + *account.max_error_rad;
+void measure_error(const BodyInMotion& moving, Ephemeris& rows) {
+  const BodyInMotion exact = free_motion_of(moving.body, moving.frame, method("auto"));
+  const Ephemeris exact_rows = rows_of(exact, rows.times(), {}, nullptr);
+  const EphemerisDescription& promise = exact_rows.description();
+  if (!promise.promised_error_rad) return;
+  rows.description().promised_error_rad = largest_difference_rad(rows, exact_rows) + *promise.promised_error_rad;
   rows.description().error_meaning =
       fmt::format("measured: the largest difference from {} at these rows; the numbers of the body are taken as exact",
-                  account.method);
+                  promise.method);
 }
 
 /// What ran, what it cost and what it promises.
@@ -243,20 +230,6 @@ void print_account(const EphemerisDescription& rows) {
   if (!rows.error_meaning.empty()) text += fmt::format(" ({})", rows.error_meaning);
   say(text);
   for (const std::string& caution : rows.cautions) say("caution: " + caution);
-}
-
-/// Throws InputError for rows before or after what the scene lasts.
-void refuse_outside(const std::string& file, const Scene& scene, Instant start, Instant stop, TimeScale scale) {
-  const Instant epoch = scene.body.state->epoch;
-  const double room_s = end_room_s(scene.last_s - scene.first_s);
-  if ((start - epoch).high >= scene.first_s - room_s && (stop - epoch).high <= scene.last_s + room_s) return;
-  const auto date = [scale](Instant time) { return format_date(time, scale, 0); };
-  throw InputError(
-      {file, 0},
-      fmt::format("the scene lasts from {} to {} {}, its epoch {:+} s to {:+} s; rows from {} to {} are asked "
-                  "for by --start, --stop or --times ('before' and 'after' in the scene make it longer)",
-                  date(epoch + Seconds{scene.first_s, 0.0}), date(epoch + Seconds{scene.last_s, 0.0}), name(scale),
-                  scene.first_s, scene.last_s, date(start), date(stop)));
 }
 
 void propagate(PropagateOptions options) {
@@ -288,69 +261,28 @@ void propagate(PropagateOptions options) {
   }
   const Frame out_frame = scene ? scene->frame : frame_of(options);
   const TimeScale scale = scale_of(options);
-  const FreeBody free = in_file(options.body_file, [&] { return free_body(body, out_frame); });
   const Method& chosen = in_option(
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
-  PlannedMotion planned;  // of a scene
-  if (scene) {
-    const Plan plan = in_file(options.body_file, [&] {
-      return plan_motion(free, scene->torques, scene->first_s, scene->last_s, scene->accuracy_rad, options.full);
-    });
+  const BodyInMotion moving = in_file(options.body_file, [&] {
+    if (scene == nullptr) return free_motion_of(body, out_frame, chosen);
     try {
-      planned = planned_motion(
-          plan, free, scene->first_s, scene->last_s,
-          options.most_evaluations.value_or(options.full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
+      return planned_motion_of(*scene, options.full, options.most_evaluations);
     } catch (const ComputationError& error) {
       throw ComputationError(options.body_file + ": " + error.what());
     }
-  } else {
-    planned.motion = chosen.make(free);
-  }
-  const auto account_between = [&](Instant start, Instant stop) {
-    if (scene) {
-      refuse_outside(options.body_file, *scene, start, stop, scale);
-      return planned.account;
-    }
-    return free_motion_account(chosen, free, (start - body.state->epoch).high, (stop - body.state->epoch).high);
-  };
-  const PrincipalMotion states = states_of(std::move(planned.motion));
+  });
+  std::optional<double> tolerance_rad;
+  if (!options.tolerance.empty()) tolerance_rad = tolerance_of(options);
   const auto rows_between = [&](Instant start, Instant stop) {
-    const MotionAccount account = account_between(start, stop);
-    if (!account.max_error_rad) {
-      throw InputError(fmt::format("--tolerance needs a promised error of the rows, which {} does not give ({})",
-                                   account.method, account.error_meaning));
-    }
-    return rows_for_tolerance(states, free.principal_moments, (start - body.state->epoch).high,
-                              (stop - body.state->epoch).high, tolerance_of(options), *account.max_error_rad,
-                              format.interpolation);
+    return in_file(options.body_file, [&] {
+      return rows_for_tolerance(moving, start, stop, scale, *tolerance_rad, format.interpolation);
+    });
   };
   std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
-    const Instant first = grid.instant(grid.time(0, {}));
-    const Instant last = grid.instant(grid.time(grid.size() - 1, {}));
-    const MotionAccount account = account_between(first, last);
-    EphemerisDescription description;
-    description.object = body.name;
-    description.object_id = body.id;
-    description.source = body.source;
-    description.method = account.method;
-    description.promised_error_rad = account.max_error_rad;
-    description.error_meaning = account.error_meaning;
-    if (scene) description.torque_evaluations = account.torque_evaluations;
-    const double farthest_s =
-        std::max(std::abs((first - body.state->epoch).high), std::abs((last - body.state->epoch).high));
-    const std::optional<std::string> caution = phase_warning(body, farthest_s);
-    if (caution) description.cautions.push_back(*caution);
-    if (!options.tolerance.empty()) {
-      description.tolerance_rad = tolerance_of(options);
-      description.interpolation = format.interpolation_text;
-      if (format.interpolation == RowInterpolation::lagrange_degree_7) {
-        description.ccsds_interpolation = "LAGRANGE";
-        description.ccsds_interpolation_degree = 7;
-      }
-    }
-    segments.emplace_back(std::move(description), body, out_frame, std::move(grid), states);
-    if (!scene && !chosen.exact_everywhere) measure_error(free, body, out_frame, segments.back());
+    segments.push_back(
+        in_file(options.body_file, [&] { return rows_of(moving, std::move(grid), tolerance_rad, &format); }));
+    if (!scene && !chosen.exact_everywhere) measure_error(moving, segments.back());
   }
   write_watched(options.output, format, segments);
   for (const Ephemeris& segment : segments) print_account(segment.description());
@@ -375,7 +307,7 @@ void add_propagate(CLI::App& app) {
       ->required();
   command
       ->add_option("-o,--output", options->output.path,
-                   "Output, - for standard output; its ending says the format: " + endings())
+                   "Output, - for standard output; its ending says the format: " + endings_of_formats())
       ->required();
   command->add_option("--format", options->output.format, "One of these endings, without its dot, for another name");
   command
@@ -407,7 +339,7 @@ void add_propagate(CLI::App& app) {
   add_leap_seconds(*command);
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
   command->add_flag("--momentum", options->output.momentum,
-                    "Write the angular momentum too: " + endings(&EphemerisFormat::has_momentum));
+                    "Write the angular momentum too: " + endings_of_formats(&EphemerisFormat::has_momentum));
   command->add_option("--adm", options->output.adm, "Version of the CCSDS message, 1.0 or 2.0 (the default)");
   command->add_option("--attitude-type", options->output.attitude_type,
                       "ATTITUDE_TYPE of an AEM; QUATERNION/ANGVEL unless given, of ADM 1.0 QUATERNION");

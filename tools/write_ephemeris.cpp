@@ -1,11 +1,9 @@
 #include "write_ephemeris.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cctype>
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
@@ -14,9 +12,7 @@
 
 #include "output.hpp"
 #include "polhode/base/error.hpp"
-#include "polhode/write/aem.hpp"
-#include "polhode/write/fits.hpp"
-#include "polhode/write/text_table.hpp"
+#include "polhode/base/text.hpp"
 #include "signals.hpp"
 
 namespace polhode::tools {
@@ -24,60 +20,6 @@ namespace {
 
 /// What the library calls the output.
 std::string path_of(const OutputOptions& options) { return options.path == "-" ? "/dev/stdout" : options.path; }
-
-template <bool packed>
-void write_binary_table(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
-  write_fits(path_of(options), segments.front(), {options.momentum, false, packed}, progress);
-}
-
-template <TextTableKind kind>
-void write_text(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
-  write_text_table(path_of(options), segments.front(), {kind, options.momentum}, progress);
-}
-
-template <bool xml>
-void write_message(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
-  AemOptions aem;
-  aem.xml = xml;
-  if (!options.adm.empty()) aem.version = adm_version(options.adm);
-  aem.type = aem.version == AdmVersion::v1 ? AemType::quaternion : AemType::quaternion_angular_velocity;
-  if (!options.attitude_type.empty()) aem.type = aem_type(options.attitude_type);
-  aem.euler_sequence = EulerSequence(options.euler_sequence.empty() ? "ZXZ" : options.euler_sequence);
-  const bool has_angles = aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
-                          aem.type == AemType::euler_angle_angular_velocity;
-  if (!has_angles && !options.euler_sequence.empty()) {
-    throw InputError("--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
-  }
-  if (options.promises_interpolation && has_angles) {
-    throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
-  }
-  write_aem(path_of(options), segments, aem, progress);
-}
-
-constexpr std::string_view great_circle = "great circle from row to row";
-constexpr std::string_view lagrange = "LAGRANGE of degree 7 of the quaternion, made unit";
-
-const std::vector<EphemerisFormat>& formats() {
-  constexpr RowInterpolation circle = RowInterpolation::great_circle, degree_7 = RowInterpolation::lagrange_degree_7;
-  using Kind = TextTableKind;
-  static const std::vector<EphemerisFormat> all{
-      {"FITS", {".fits", ".fit"}, circle, great_circle, false, true, false, write_binary_table<false>},
-      {"FITS packed by gzip",
-       {".fits.gz", ".fit.gz"},
-       circle,
-       great_circle,
-       false,
-       true,
-       false,
-       write_binary_table<true>},
-      {"CCSDS AEM", {".aem", ".txt"}, degree_7, lagrange, true, false, true, write_message<false>},
-      {"CCSDS AEM in XML", {".xml"}, degree_7, lagrange, true, false, true, write_message<true>},
-      {"CSV", {".csv"}, circle, great_circle, false, true, false, write_text<Kind::csv>},
-      {"ECSV", {".ecsv"}, circle, great_circle, false, true, false, write_text<Kind::ecsv>},
-      {"JSON lines", {".jsonl"}, circle, great_circle, false, true, false, write_text<Kind::json_lines>},
-  };
-  return all;
-}
 
 /// Rate and time left, on a terminal, from one second on.
 class ProgressLine {
@@ -117,32 +59,40 @@ class ProgressLine {
 }  // namespace
 
 const EphemerisFormat& format_of(const OutputOptions& options) {
-  std::string name = options.format.empty() ? options.path : "." + options.format;
-  std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
-  for (const EphemerisFormat& format : formats()) {
-    for (const std::string_view ending : format.endings) {
-      if (options.format.empty() ? name.ends_with(ending) : name == ending) return format;
-    }
+  const EphemerisFormat* format = ephemeris_format_of(options.format.empty() ? options.path : "." + options.format);
+  const auto is_ending = [&](std::string_view ending) { return lower_case("." + options.format) == ending; };
+  if (options.format.empty() && format == nullptr) {
+    throw InputError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
+                                 options.path, endings_of_formats()));
   }
-  if (!options.format.empty()) {
-    throw InputError(
-        fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format, endings()));
+  if (!options.format.empty() &&
+      (format == nullptr || std::none_of(format->endings.begin(), format->endings.end(), is_ending))) {
+    throw InputError(fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format,
+                                 endings_of_formats()));
   }
-  throw InputError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
-                               options.path, endings()));
+  return *format;
 }
 
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format) {
   if (options.momentum && !format.has_momentum) {
     throw InputError(fmt::format("--momentum is for {}: {} holds no angular momentum",
-                                 endings(&EphemerisFormat::has_momentum), format.name));
+                                 endings_of_formats(&EphemerisFormat::has_momentum), format.name));
   }
-  if (format.is_message) return;
+  if (format.is_message) {
+    const bool has_angles = upper_case(options.attitude_type).starts_with("EULER");
+    if (!has_angles && !options.euler_sequence.empty()) {
+      throw InputError("--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
+    }
+    if (has_angles && options.promises_interpolation) {
+      throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
+    }
+    return;
+  }
   for (const auto& [option, value] :
        {std::pair("--adm", &options.adm), std::pair("--attitude-type", &options.attitude_type),
         std::pair("--euler-sequence", &options.euler_sequence)}) {
     if (!value->empty()) {
-      throw InputError(fmt::format("{} is for {}; {} is {}", option, endings(&EphemerisFormat::is_message),
+      throw InputError(fmt::format("{} is for {}; {} is {}", option, endings_of_formats(&EphemerisFormat::is_message),
                                    options.path, format.name));
     }
   }
@@ -160,21 +110,12 @@ void refuse_overwriting(const OutputOptions& options, std::span<const std::strin
   }
 }
 
-std::string endings(bool EphemerisFormat::*property) {
-  std::string text;
-  for (const EphemerisFormat& format : formats()) {
-    if (property != nullptr && !(format.*property)) continue;
-    text += fmt::format("{}{} ({})", text.empty() ? "" : ", ", fmt::join(format.endings, " "), format.name);
-  }
-  return text;
-}
-
 void write_watched(const OutputOptions& options, const EphemerisFormat& format, std::span<const Ephemeris> segments) {
   if (segments.size() > 1 && !format.has_segments) {
     throw InputError(
         fmt::format("there are {} segments, which only these hold: {}; give one --start and one --stop, of an "
                     "attitude history within one of its segments",
-                    segments.size(), endings(&EphemerisFormat::has_segments)));
+                    segments.size(), endings_of_formats(&EphemerisFormat::has_segments)));
   }
   std::size_t rows = 0;
   for (const Ephemeris& segment : segments) rows += segment.times().size();
@@ -184,7 +125,7 @@ void write_watched(const OutputOptions& options, const EphemerisFormat& format, 
         fmt::format("{}polhode: stopped; {} is not written\n", terminal ? "\r\033[K" : "", options.path));
     ProgressLine line(rows);
     try {
-      format.write(options, segments, [&line](std::size_t done) { line(done); });
+      write_ephemeris(path_of(options), format, segments, options, [&line](std::size_t done) { line(done); });
     } catch (const TimeScaleError& error) {
       throw InputError({"--scale", 0}, error.what());
     }

@@ -1,0 +1,113 @@
+#include "body_in_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "polhode/base/error.hpp"
+#include "polhode/body/phase.hpp"
+#include "polhode/ephemeris/row_spacing.hpp"
+#include "polhode/motion/conditioning.hpp"
+#include "polhode/motion/free_body.hpp"
+#include "polhode/motion/torqued_motion.hpp"
+
+namespace polhode::tools {
+namespace {
+
+PrincipalMotion states_of(std::shared_ptr<const Motion> motion) {
+  return [motion = std::move(motion)](std::span<const double> high, std::span<const double> low, double* q, double* m) {
+    motion->batch({high, low}, StateArrays::of_structures(q, m));
+  };
+}
+
+}  // namespace
+
+MotionAccount BodyInMotion::account_between(Instant start, Instant stop, TimeScale scale) const {
+  const Instant epoch = body.state->epoch;
+  const double from_s = (start - epoch).high, to_s = (stop - epoch).high;
+  if (under_torques) {
+    const double room_s = end_room_s(last_s - first_s);
+    if (from_s < first_s - room_s || to_s > last_s + room_s) {
+      const auto date = [scale](Instant time) { return format_date(time, scale, 0); };
+      throw InputError(
+          fmt::format("the scene lasts from {} to {} {}, its epoch {:+} s to {:+} s; rows from {} to {} are asked for "
+                      "by start, stop or times ('before' and 'after' in the scene make it longer)",
+                      date(epoch + Seconds{first_s, 0.0}), date(epoch + Seconds{last_s, 0.0}), name(scale), first_s,
+                      last_s, date(start), date(stop)));
+    }
+  }
+  return account(from_s, to_s);
+}
+
+BodyInMotion free_motion_of(Body body, Frame frame, const Method& method) {
+  BodyInMotion moving;
+  moving.free = free_body(body, frame);
+  moving.body = std::move(body);
+  moving.frame = frame;
+  moving.motion = method.make(moving.free);
+  moving.account = [&method, free = moving.free](double first_s, double last_s) {
+    return free_motion_account(method, free, first_s, last_s);
+  };
+  return moving;
+}
+
+BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std::size_t> most_evaluations) {
+  BodyInMotion moving;
+  moving.body = scene.body;
+  moving.frame = scene.frame;
+  moving.free = free_body(scene.body, scene.frame);
+  moving.under_torques = true;
+  moving.first_s = scene.first_s;
+  moving.last_s = scene.last_s;
+  const Plan plan = plan_motion(moving.free, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, full);
+  PlannedMotion planned =
+      planned_motion(plan, moving.free, scene.first_s, scene.last_s,
+                     most_evaluations.value_or(full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
+  moving.motion = std::move(planned.motion);
+  moving.account = [account = std::move(planned.account)](double, double) { return account; };
+  return moving;
+}
+
+std::size_t rows_for_tolerance(const BodyInMotion& moving, Instant start, Instant stop, TimeScale scale,
+                               double tolerance_rad, RowInterpolation interpolation) {
+  const MotionAccount account = moving.account_between(start, stop, scale);
+  if (!account.max_error_rad) {
+    throw InputError(fmt::format("a tolerance needs a promised error of the rows, which {} does not give ({})",
+                                 account.method, account.error_meaning));
+  }
+  const Instant epoch = moving.body.state->epoch;
+  return polhode::rows_for_tolerance(states_of(moving.motion), moving.free.principal_moments, (start - epoch).high,
+                                     (stop - epoch).high, tolerance_rad, *account.max_error_rad, interpolation);
+}
+
+Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<double> tolerance_rad,
+                  const EphemerisFormat* format) {
+  const Instant first = times.instant(times.time(0, {}));
+  const Instant last = times.instant(times.time(times.size() - 1, {}));
+  const MotionAccount account = moving.account_between(first, last, times.scale());
+  const Body& body = moving.body;
+  EphemerisDescription description;
+  description.object = body.name;
+  description.object_id = body.id;
+  description.source = body.source;
+  description.method = account.method;
+  description.promised_error_rad = account.max_error_rad;
+  description.error_meaning = account.error_meaning;
+  if (moving.under_torques) description.torque_evaluations = account.torque_evaluations;
+  const Instant epoch = body.state->epoch;
+  const double farthest_s = std::max(std::abs((first - epoch).high), std::abs((last - epoch).high));
+  if (auto caution = phase_warning(body, farthest_s)) description.cautions.push_back(*std::move(caution));
+  if (tolerance_rad && format != nullptr) {
+    description.tolerance_rad = tolerance_rad;
+    description.interpolation = format->interpolation_text;
+    if (format->interpolation == RowInterpolation::lagrange_degree_7) {
+      description.ccsds_interpolation = "LAGRANGE";
+      description.ccsds_interpolation_degree = 7;
+    }
+  }
+  return {std::move(description), body, moving.frame, std::move(times), states_of(moving.motion)};
+}
+
+}  // namespace polhode::tools

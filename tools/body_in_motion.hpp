@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "polhode/ephemeris/ephemeris.hpp"
+#include "polhode/motion/methods.hpp"
+#include "polhode/motion/motion.hpp"
+#include "polhode/motion/planner.hpp"
+#include "polhode/read/scene_file.hpp"
+#include "polhode/write/ephemeris_formats.hpp"
+
+namespace polhode::tools {
+
+/// A body and its motion in an inertial frame: what the program and the Python package make ephemerides of.
+struct BodyInMotion {
+  Body body;
+  Frame frame = Frame::icrf;
+  FreeBody free;  ///< the body at its epoch
+  std::shared_ptr<const Motion> motion;
+  /// What to say of the states between two times, seconds from the epoch.
+  std::function<MotionAccount(double first_s, double last_s)> account;
+  bool under_torques = false;
+  double first_s = 0.0, last_s = 0.0;  ///< under torques: the span that the motion was made for
+
+  /// The same between two instants. Throws InputError where they lie outside of the span.
+  MotionAccount account_between(Instant start, Instant stop, TimeScale scale) const;
+};
+
+/// The free motion of a complete body by this method. Throws what free_body() throws.
+BodyInMotion free_motion_of(Body body, Frame frame, const Method& method);
+
+/// The motion of a scene as planned. Throws what free_body(), plan_motion() and planned_motion() throw;
+/// `most_evaluations` is the library's choice unless given.
+BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std::size_t> most_evaluations);
+
+/// How many rows keep what the format's readers interpolate within the tolerance.
+std::size_t rows_for_tolerance(const BodyInMotion& moving, Instant start, Instant stop, TimeScale scale,
+                               double tolerance_rad, RowInterpolation interpolation);
+
+/// The rows at these times. `tolerance_rad` is promised between them in this format, if it is given.
+Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<double> tolerance_rad,
+                  const EphemerisFormat* format);
+
+}  // namespace polhode::tools

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+
+#include "polhode/body/invariants.hpp"
+#include "polhode/read/body.hpp"
+
+namespace polhode::tools {
+
+/// What principal axes are called, of the smallest moment first.
+inline constexpr const char* axis_words[3] = {"long", "intermediate", "short"};
+
+/// What there is to say about one body: gathered once, printed as text or JSON.
+struct Report {
+  std::string path;
+  Body body;
+  std::optional<SpinInvariants> spin;
+  std::optional<Vector3> momentum_ecliptic, momentum_icrf;
+  std::optional<AttitudeHistory> history;
+  std::optional<double> next_flip_s;  ///< from the epoch
+};
+
+/// `path` is what the report calls the file.
+Report report_on(const std::string& path, BodyAndHistory file);
+
+/// The report as `polhode info --json` prints it.
+nlohmann::ordered_json json(const Report& report);
+
+}  // namespace polhode::tools
