@@ -2,6 +2,8 @@
 
 - No folder of LIB_DIR/polhode includes upwards (ALLOWED below); LIB_DIR/rivals includes the library, the library nothing
   of it.
+- lib/python, the Python package, includes the library, its own headers and those of the program that join the library's
+  folders.
 - Public headers, those of the patterns in LIB_DIR/public_headers.txt, include public ones only, and
   tools/manual/library.md lists the patterns.
 - Wrapped libraries are included by .cpp files only, so that users of our headers need none of them.
@@ -29,6 +31,7 @@ ALLOWED = {folder: UPWARDS[: i + 1] for i, folder in enumerate(UPWARDS)} | {
     "write": BODY_AND_BELOW + ["ephemeris", "write"],
     "rivals": UPWARDS + ["rivals"],
     "rivals/survey": UPWARDS + ["rivals", "rivals/survey"],
+    "python": UPWARDS + ["ephemeris", "read", "write", "python", "tools"],
 }
 WRAPPED = re.compile(r"(erfa\w*\.h|fitsio\d?\.h|toml\+\+/.*|pugixml\.hpp|nlohmann/.*|CLI/.*|sundials/.*|boost/.*)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
@@ -44,7 +47,7 @@ def faults(path, text):
     """The rules about includes that a file breaks. `path` is relative to LIB_DIR."""
     folder = folder_of(path.as_posix())
     for bracket, include in INCLUDE.findall(text):
-        if include.startswith(("polhode/", "rivals/")):
+        if include.startswith(("polhode/", "rivals/", "python/", "tools/")):
             if folder not in ALLOWED:
                 yield f"{path}: the folder {folder} is not in include_check.py"
             elif folder_of(include) not in ALLOWED[folder] and include.removeprefix("polhode/") not in ALLOWED[folder]:
@@ -132,6 +135,9 @@ def check_the_rules():
         ("rivals/a.cpp", '#include "polhode/read/body.hpp"', True),
         ("rivals/a.cpp", '#include "rivals/survey/measure.hpp"', True),
         ("rivals/survey/a.cpp", '#include "rivals/registry.hpp"', False),
+        ("python/a.cpp", '#include "polhode/write/fits.hpp"', False),
+        ("python/a.cpp", '#include "rivals/registry.hpp"', True),
+        ("polhode/write/a.cpp", '#include "python/python.hpp"', True),
     ]:
         assert bool(list(faults(pathlib.Path(path), text))) == wrong, (path, text)
     for folder, others in ALLOWED.items():
@@ -182,7 +188,7 @@ def main():
         return [] if run.returncode == 0 else [f"{header} does not compile on its own:\n{run.stderr}"]
 
     headers = [p for p in paths if p.suffix == ".hpp"]
-    alone = [h for h in headers if not shown_by_the_build(lib, h)]
+    alone = [h for h in headers if h.parts[0] != "python" and not shown_by_the_build(lib, h)]  # not without nanobind
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for result in pool.map(compiles, alone):
             found += result

@@ -1,0 +1,75 @@
+#pragma once
+
+// The objects of Python that more than one source of the extension module knows.
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "polhode/motion/methods.hpp"
+#include "polhode/motion/motion.hpp"
+#include "polhode/read/input_formats.hpp"
+#include "polhode/read/scene_file.hpp"
+#include "python/python.hpp"
+#include "tools/body_in_motion.hpp"
+
+namespace polhode::python {
+
+/// Body and AttitudeHistory: both are what a file says, or was said without one.
+struct BodyObject {
+  BodyAndHistory file;
+  std::string path;
+
+  const Body& body() const { return file.body; }
+};
+struct HistoryObject {
+  BodyAndHistory file;  ///< with a history
+  std::string path;
+
+  const AttitudeHistory& history() const { return *file.history; }
+};
+
+struct SceneObject {
+  Scene scene;
+  std::string path;
+};
+
+/// Motion: of one body, or of an array of bodies in their principal axes.
+struct MotionObject : std::enable_shared_from_this<MotionObject> {
+  Shape shape;  ///< of the array; empty: one body
+  std::vector<FreeBody> bodies;
+  std::vector<std::shared_ptr<const Motion>> motions;  ///< one per body
+  const Method* method = nullptr;                      ///< of a free motion
+  std::optional<MotionAccount> account;                ///< of one under torques
+  std::shared_ptr<const tools::BodyInMotion> moving;   ///< null: of bodies without epoch and frame
+
+  /// How states come into the axes that the body's file names; absent where they are the principal ones.
+  struct NamedAxes {
+    Quaternion q_principal_from_named;
+    Matrix3 named_from_principal;
+  };
+  std::optional<NamedAxes> named;
+
+  std::optional<Instant> epoch() const { return moving ? std::optional(moving->body.state->epoch) : std::nullopt; }
+};
+
+/// The motion of a body that is known with its epoch and frame.
+std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const tools::BodyInMotion> moving, const Method* method);
+
+/// State: at one time, or at an array of them.
+struct StateObject {
+  std::shared_ptr<const MotionObject> motion;  ///< null: of an attitude history
+  std::optional<Instant> epoch;
+  std::string frame;  ///< empty: there is none
+  bool scalar = true;
+  double t_s = 0.0;
+  Eigen::Vector4d q1;  ///< of a scalar
+  Vector3 m1, omega1;
+  nb::object t, q, m, omega;  ///< arrays; those of a scalar are made when asked for
+};
+
+/// The attitude of anything that has one, v_icrf = q v_body q*, for comparisons.
+std::function<Quaternion(Instant)> q_icrf_of(const MotionObject& motion);
+
+}  // namespace polhode::python

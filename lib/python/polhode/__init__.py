@@ -1,0 +1,103 @@
+"""The attitude of tumbling rigid bodies: asteroids, comets, satellites, rocket stages.
+
+    import polhode
+    body = polhode.read("toutatis.toml")
+    motion = body.motion(frame="ICRF")
+    state = motion("1993-01-01T00:00 UTC")
+    state.q, state.omega, state.momentum, state.rotation
+
+Angles are radians, times seconds, unless a text or an astropy Quantity says its unit. A quaternion is scalar first and
+maps components from the body to the frame: v_frame = q v_body q*. numpy is needed; astropy and scipy only by what is
+asked for in their types.
+"""
+
+from ._core import (
+    Account,
+    AttitudeHistory,
+    Body,
+    Case,
+    Difference,
+    Ephemeris,
+    FreeMotion,
+    Inertia,
+    Instant,
+    MassProperties,
+    Mesh,
+    Motion,
+    Orbit,
+    Plan,
+    PlannedEffect,
+    Scene,
+    Segment,
+    SpinSolution,
+    State,
+    Torque,
+    TorquedMotion,
+    compare,
+    endings,
+    energy_at,
+    euler_angles,
+    euler_rates,
+    frame_rotation,
+    input_formats,
+    leap_seconds,
+    methods,
+    omega_from_euler_rates,
+    q_frame_from_momentum,
+    q_from_euler,
+    read,
+    read_case,
+    read_mesh,
+    set_leap_seconds,
+    solve_periods,
+    write,
+)
+from ._core import version as __version__
+from ._errors import ComputationError, Error, FileError, InputError
+
+__all__ = [
+    "Account",
+    "AttitudeHistory",
+    "Body",
+    "Case",
+    "ComputationError",
+    "Difference",
+    "Ephemeris",
+    "Error",
+    "FileError",
+    "FreeMotion",
+    "Inertia",
+    "InputError",
+    "Instant",
+    "MassProperties",
+    "Mesh",
+    "Motion",
+    "Orbit",
+    "Plan",
+    "PlannedEffect",
+    "Scene",
+    "Segment",
+    "SpinSolution",
+    "State",
+    "Torque",
+    "TorquedMotion",
+    "__version__",
+    "compare",
+    "endings",
+    "energy_at",
+    "euler_angles",
+    "euler_rates",
+    "frame_rotation",
+    "input_formats",
+    "leap_seconds",
+    "methods",
+    "omega_from_euler_rates",
+    "q_frame_from_momentum",
+    "q_from_euler",
+    "read",
+    "read_case",
+    "read_mesh",
+    "set_leap_seconds",
+    "solve_periods",
+    "write",
+]
