@@ -19,7 +19,7 @@ def chart(folder, *arguments):
 
 
 def run_plot(*arguments, **options):
-    command = [sys.executable, ROOT / "tools/plot_chart.py", *arguments]
+    command = [sys.executable, "-m", "polhode", "plot", *arguments]
     return subprocess.run(command, capture_output=True, text=True, timeout=300, **options)
 
 
@@ -148,7 +148,7 @@ def test_files_that_are_no_table_are_refused(tmp_path, name, status):
     (tmp_path / "bytes.ecsv").write_bytes(b"\xff\xfe\x00")
     run = run_plot(name, cwd=tmp_path)
     assert run.returncode == status and run.stderr.count("\n") == 1, run.stderr
-    assert run.stderr.startswith("plot_chart: ")
+    assert run.stderr.startswith("polhode: ")
 
 
 def test_figures_that_cannot_be_written(speed, tmp_path):

@@ -7,7 +7,7 @@ How a page is written, so that it can be run:
                   nothing below it may print anything. A line that ends in a backslash goes on in the next. A command
                   must succeed, unless the next one is `echo $?`.
     ```toml       a whole body or scene; its first line is a comment with the name of the file
-    ```python     runs as it stands
+    ```python     runs as it stands; a comment after `print(…)` is what that prints
     ```cpp        a program of tests/install/consumer, which the test `install` compiles
     ```text, or indented by four columns: patterns of commands, formulas, pieces of files; commands and options in them
                   must exist
@@ -55,9 +55,9 @@ LONG = {
         None,
     ),
     "polhode chart stability -o charts": (CHART, "polhode chart stability --help"),
-    "tools/plot_chart.py charts/torqued.ecsv": ("takes seconds; test_chart.py draws one", None),
-    "tools/plot_chart.py charts/stability.ecsv": ("needs the table of a long command; test_chart.py draws one", None),
-    "tools/plot_body.py toutatis.fits -o toutatis.png": ("takes seconds; test_plot.py draws it", None),
+    "polhode plot charts/torqued.ecsv": ("takes seconds; test_chart.py draws one", None),
+    "polhode plot charts/stability.ecsv": ("needs the table of a long command; test_chart.py draws one", None),
+    "polhode plot toutatis.fits -o toutatis.png": ("takes seconds; test_plot.py draws it", None),
 }
 OTHER_OPTIONS = {"cmake": {"--preset", "--build", "--install", "--list-presets"}, "ctest": {"--preset"}}
 
@@ -158,7 +158,7 @@ def subcommands(*command):
 
 def scripts():
     """The programs of the source tree that are not `polhode`, each with its options."""
-    options = {f"tools/{path.name}": options_in(path.read_text()) for path in (ROOT / "tools").glob("*.py")}
+    options = {}
     for name in ("tools/test", "tools/setup", "tools/demo", "tests/systems/bare_system.sh"):
         options[name] = options_in((ROOT / name).read_text())
     return options
@@ -233,6 +233,9 @@ def run_python(block, folder):
         text=True,
     )
     assert result.returncode == 0, f"{block.where()}: {result.stderr}"
+    printed = [line.partition("  # ")[2] for line in block.lines if line.startswith("print(")]
+    if any(printed):
+        assert re.fullmatch(expected_text(printed), result.stdout), f"{block.where()} prints\n{result.stdout}"
 
 
 def check_cpp(block, _):

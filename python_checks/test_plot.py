@@ -1,30 +1,30 @@
-"""The picture script: what it draws and calls it, from any folder, and how it ends where it cannot."""
+"""`polhode plot`: what it draws and calls it, from any folder, and how it ends where it cannot."""
 
 import os
 import struct
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 from astropy.io import fits
 from support import PROGRAM, ROOT, SPINNER, T_HANDLE, TOUTATIS, propagate
 
-SCRIPT = ROOT / "tools/plot_body.py"
-sys.path.insert(0, str(SCRIPT.parent))
+import polhode
 
-import plot_body  # noqa: E402
-from scripts import InputError  # noqa: E402
+from polhode import InputError
+from polhode import plot as plotting
 
 
-def plot(*arguments, program=PROGRAM, **options):
-    environment = {**os.environ, "POLHODE": str(program)}
-    return subprocess.run([sys.executable, SCRIPT, *arguments], capture_output=True, text=True, env=environment, **options)
+def plot(*arguments, **options):
+    environment = {**os.environ, "POLHODE_PYTHON": sys.executable}
+    return subprocess.run([PROGRAM, "plot", *arguments], capture_output=True, text=True, env=environment, **options)
 
 
 def assert_one_line(result, status):
     """Ends with the status, and says why in one line."""
     assert result.returncode == status, result.stderr
-    assert result.stderr.startswith("plot_body: ") and result.stderr.count("\n") == 1, result.stderr
+    assert result.stderr.startswith("polhode: ") and result.stderr.count("\n") == 1, result.stderr
 
 
 @pytest.fixture(scope="module")
@@ -60,16 +60,14 @@ def body_file(path, moments="[1.0, 2.0, 3.0]", rate="[0.0, 0.0, 9.0]"):
         ("[1.0, 2.0, 2.5]", "[3.0, 0.0, 9.0]", "short-axis mode"),
     ],
 )
-def test_the_motion_is_called_what_it_is(tmp_path, monkeypatch, moments, rate, called):
-    monkeypatch.setenv("POLHODE", str(PROGRAM))
-    name, _ = plot_body.mode(plot_body.read_motion(plot_body.propagated(body_file(tmp_path / "b.toml", moments, rate), tmp_path)))
+def test_the_motion_is_called_what_it_is(tmp_path, moments, rate, called):
+    name, _ = plotting.mode(plotting.rows_of(body_file(tmp_path / "b.toml", moments, rate)))
     assert name == called
 
 
 def colours(path):
     """How often each colour is in a PNG."""
     import matplotlib.pyplot as plt
-    import numpy as np
 
     image = (plt.imread(path)[:, :, :3] * 255).round().astype(int)
     found, count = np.unique(image.reshape(-1, 3), axis=0, return_counts=True)
@@ -82,28 +80,28 @@ def test_a_fixed_axis_is_a_point_on_both_spheres(tmp_path):
     assert colours(tmp_path / "b.png").get((0xC2, 0x45, 0x2D), 0) > 200
 
 
-def test_from_any_folder_the_program_of_the_source_tree_is_found(tmp_path):
-    environment = {name: value for name, value in os.environ.items() if name != "POLHODE"}
-    command = [sys.executable, SCRIPT, T_HANDLE, "-o", "b.png"]
-    result = subprocess.run(command, capture_output=True, text=True, env=environment, cwd=tmp_path)
-    if not (ROOT / "build/bin/polhode").exists():
-        assert_one_line(result, 3)
-        assert "build/bin/polhode" in result.stderr
-        return
+def test_it_runs_by_the_package_as_by_the_program_from_any_folder(tmp_path):
+    command = [sys.executable, "-m", "polhode", "plot", T_HANDLE, "-o", "b.png"]
+    result = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert result.returncode == 0, result.stderr
     assert (tmp_path / "b.png").read_bytes().startswith(b"\x89PNG")
+    assert plot(T_HANDLE, "-o", "c.png", cwd=tmp_path).returncode == 0
+    assert (tmp_path / "c.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
-def test_a_program_that_is_not_there(tmp_path):
-    assert_one_line(plot(T_HANDLE, "-o", tmp_path / "b.png", program=tmp_path / "none"), 3)
+def test_a_python_that_is_not_there(tmp_path):
+    result = subprocess.run([PROGRAM, "plot", T_HANDLE], capture_output=True, text=True, env={"POLHODE_PYTHON": str(tmp_path / "none")})
+    assert_one_line(result, 3)
 
 
-def test_a_python_without_the_packages_goes_on_in_the_environment(tmp_path, ephemeris):
-    result = subprocess.run([sys.executable, "-S", "-E", SCRIPT, ephemeris, "-o", tmp_path / "a.png"], capture_output=True, text=True)
-    if (ROOT / "build/venv/bin/python").exists():
-        assert result.returncode == 0, result.stderr
-    else:
-        assert_one_line(result, 1)
+def test_a_motion_and_its_file_make_one_picture(tmp_path, ephemeris):
+    of_file = plotting.rows_of(ephemeris)
+    of_body = plotting.rows_of(TOUTATIS)
+    assert (of_body.object, of_body.frame) == (of_file.object, of_file.frame)
+    assert np.allclose(of_body.moments, of_file.moments) and np.allclose(of_body.momentum[0], of_file.momentum[0], atol=1e-12)
+    assert np.allclose(of_body.momentum_direction, of_file.momentum_direction, atol=1e-12)
+    assert np.allclose(of_body.long_axis[0], of_file.long_axis[0], atol=1e-12)
+    assert len(plotting.body(polhode.read(TOUTATIS)).axes) >= 3
 
 
 @pytest.mark.parametrize(
@@ -116,7 +114,7 @@ def test_outputs_that_cannot_be(tmp_path, ephemeris, out, status):
 
 
 def test_dev_stdout_gets_the_picture(tmp_path, ephemeris):
-    command = [sys.executable, SCRIPT, ephemeris, "-o", "/dev/stdout"]
+    command = [sys.executable, "-m", "polhode", "plot", ephemeris, "-o", "/dev/stdout"]
     result = subprocess.run(command, capture_output=True, cwd=tmp_path)
     assert result.returncode == 0 and result.stdout.startswith(b"\x89PNG"), result.stderr
 
@@ -172,7 +170,7 @@ def rename(old, new):
 )
 def test_tables_that_are_not_ours(tmp_path, ephemeris, change, word):
     with pytest.raises(InputError, match=word):
-        plot_body.read_motion(changed(ephemeris, tmp_path / "b.fits", change))
+        plotting.rows_of_file(changed(ephemeris, tmp_path / "b.fits", change))
 
 
 @pytest.mark.parametrize("ending", ["fits", "fits.gz"])
@@ -182,7 +180,7 @@ def test_truncated_ephemerides(tmp_path, ending):
     for size in (0, 1, 79, 80, 2879, 2880, 2881, 5760, 8640, 12000, 50000, len(whole) * 9 // 10):
         cut.write_bytes(whole[:size])
         with pytest.raises(InputError):
-            plot_body.read_motion(cut)
+            plotting.rows_of_file(cut)
 
 
 def test_a_damaged_byte_is_seen(tmp_path, ephemeris):
@@ -190,7 +188,7 @@ def test_a_damaged_byte_is_seen(tmp_path, ephemeris):
     damaged[-5000] ^= 1
     (tmp_path / "b.fits").write_bytes(damaged)
     with pytest.raises(InputError, match="damaged"):
-        plot_body.read_motion(tmp_path / "b.fits")
+        plotting.rows_of_file(tmp_path / "b.fits")
 
 
 @pytest.mark.parametrize("name, status", [("none.fits", 3), (".", 3), ("/dev/null", 3), ("cut.fits", 2), ("text.fits", 2), ("picture.png", 2)])

@@ -14,6 +14,8 @@ from astropy.time import Time
 from scipy.spatial.transform import Rotation
 from support import ROOT, SPINNER, T_HANDLE, TOUTATIS, assert_within, propagate, toutatis
 
+from polhode import InputError, spice
+
 TOLERANCE_RAD = 1e-9
 
 
@@ -28,14 +30,8 @@ def spice_et(table):
     return np.array([spiceypy.unitim(t, "TDT", "ET") for t in seconds])
 
 
-sys.path.insert(0, str(ROOT / "tools"))
-
-import spice_kernels  # noqa: E402
-from scripts import InputError  # noqa: E402
-
-
 def make_kernels(*arguments, **options):
-    command = [sys.executable, ROOT / "tools/spice_kernels.py", *arguments]
+    command = [sys.executable, "-m", "polhode", "spice", *arguments]
     return subprocess.run(command, capture_output=True, text=True, **options)
 
 
@@ -262,19 +258,19 @@ def test_moved_kernels_load_after_one_line_is_changed(tmp_path, folder):
         ("Envisat", ["--id", "-5", "--tolerance", "nan"], None),
     ],
 )
-def test_ids_and_names(tmp_path, folder, monkeypatch, name, options, made):
+def test_ids_and_names(tmp_path, folder, name, options, made):
     with fits_file.open(folder / "toutatis.fits") as file:
         file["ATTITUDE"].header["OBJECT"] = name
         file["ATTITUDE"].data = file["ATTITUDE"].data[:50]
         file.writeto(tmp_path / "a.fits", checksum=True)
-    monkeypatch.setattr(sys, "argv", ["spice_kernels.py", str(tmp_path / "a.fits"), "-o", str(tmp_path / "kernels"), *options])
+    arguments = [str(tmp_path / "a.fits"), "-o", str(tmp_path / "kernels"), *options]
     spiceypy.kclear()
     if made is None:
         with pytest.raises(InputError):
-            spice_kernels.main()
+            spice.main(arguments)
         assert not (tmp_path / "kernels").exists()
         return
-    spice_kernels.main()
+    spice.main(arguments)
     body_id, name = made
     spiceypy.kclear()
     spiceypy.furnsh(str(tmp_path / f"kernels/{name}.tm"))

@@ -113,7 +113,7 @@ std::vector<std::string> provenance(const std::string& what) {
 std::string number(double value) { return fmt::format("{:.6g}", value); }
 
 void say_how_to_plot(const std::string& table) {
-  std::fprintf(stderr, "polhode: wrote %s; draw it with tools/plot_chart.py %s\n", table.c_str(), table.c_str());
+  std::fprintf(stderr, "polhode: wrote %s; draw it with polhode plot %s\n", table.c_str(), table.c_str());
 }
 
 void chart_speed_accuracy(const ChartOptions& options) {

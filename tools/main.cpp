@@ -45,6 +45,7 @@ int run(int argc, char** argv) {
   polhode::tools::add_bench(app);
   polhode::tools::add_plan(app);
   polhode::tools::add_propagate(app);
+  polhode::tools::add_python(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::RequiredError& error) {

@@ -106,6 +106,7 @@ void write_ephemeris(const std::string& path, const EphemerisFormat& format, std
                                  endings_of_formats(&EphemerisFormat::has_segments)));
   }
   if (segments.empty()) throw InputError("there is no ephemeris to write");
+  if (options.momentum && !segments.front().inertia()) throw InputError("the momentum needs an inertia");
   format.write(path, segments, options, progress);
 }
 

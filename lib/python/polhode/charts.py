@@ -1,28 +1,23 @@
-#!/usr/bin/env python3
-"""Draw the tables of `polhode chart`: tools/plot_chart.py TABLE [-o DIR]
+"""The figures of the tables of `polhode chart`.
 
 A speed-accuracy or torqued table gives figures of all its bodies, by time and by evaluations, and one of its first body
-alone; a stability table gives a figure per map. All are written as SVG and PNG beside the table, or to DIR.
+alone; a stability table gives a figure per map.
 """
 
-import argparse
 from pathlib import Path
 
-import scripts
-
-scripts.need("astropy", "matplotlib", "numpy")
-
 import matplotlib
-
-matplotlib.use("Agg")
 import matplotlib.patheffects as effects
-import matplotlib.pyplot as plt
 import numpy as np
 from astropy.table import Table
 from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
 from matplotlib.ticker import LogLocator, NullFormatter
-from scripts import InputError
+
+from . import _files
+from ._errors import InputError
 
 INK = "#1b1f24"
 FAINT = "#8a9199"
@@ -61,13 +56,17 @@ def power(exponent):
     return f"$10^{{{exponent:g}}}$"
 
 
+def subplots(rows=1, columns=1, figsize=None, layout=None, **options):
+    figure = Figure(figsize=figsize, layout=layout)
+    return figure, figure.subplots(rows, columns, **options)
+
+
 def save(figure, folder, name):
     for ending in ("svg", "png"):
-        path = scripts.made_folder(folder) / f"{name}.{ending}"
-        with scripts.whole_file(path) as file:
+        path = _files.made_folder(folder) / f"{name}.{ending}"
+        with _files.whole_file(path) as file:
             figure.savefig(file, format=ending, dpi=170, facecolor="white")
         print(path)
-    plt.close(figure)
 
 
 # --- Speed against accuracy -------------------------------------------------------------------------------------------
@@ -177,9 +176,9 @@ def title_of(table, body):
 
 
 def family_legend(figure, styles, rivals, **where):
-    handles = [plt.Line2D([], [], linewidth=1.1, markeredgewidth=0, **style) for style in styles.values()]
-    handles.append(plt.Line2D([], [], color=FRONT, linewidth=5, alpha=0.75))
-    handles.append(plt.Line2D([], [], color=INTEGRATORS, linewidth=5))
+    handles = [Line2D([], [], linewidth=1.1, markeredgewidth=0, **style) for style in styles.values()]
+    handles.append(Line2D([], [], color=FRONT, linewidth=5, alpha=0.75))
+    handles.append(Line2D([], [], color=INTEGRATORS, linewidth=5))
     names = [*styles, "Pareto front", rivals]
     figure.legend(handles, names, frameon=False, fontsize=8, **where)
 
@@ -220,7 +219,7 @@ def speed_accuracy(table, folder):
             suffix = ("" if instants == many else "-last") + ("" if tag == "time" else f"-{tag}")
             columns = min(3, len(bodies))
             rows = -(-len(bodies) // columns)
-            figure, grid = plt.subplots(
+            figure, grid = subplots(
                 rows, columns, figsize=(5.4 * columns, 4.9 * rows + 0.8), squeeze=False, layout="constrained"
             )
             figure.get_layout_engine().set(rect=(0, 0.055, 1, 0.915), w_pad=0.1, h_pad=0.12)
@@ -238,7 +237,7 @@ def speed_accuracy(table, folder):
             legend(figure, 8)
             figure.text(0.012, 0.004, note, fontsize=6, color=FAINT)
             save(figure, folder, f"speed-accuracy{suffix}")
-    figure, axes = plt.subplots(figsize=(9, 6.2), layout="constrained")
+    figure, axes = subplots(figsize=(9, 6.2), layout="constrained")
     figure.get_layout_engine().set(rect=(0, 0.07, 1, 0.93))
     part = table[(table["body"] == bodies[0]) & (table["instants"] == many)]
     draw_speed_accuracy(axes, part, "time", gap=0.145, **look)
@@ -308,7 +307,7 @@ def torqued(table, folder):
         for cost_name, (_, tag) in TORQUED_COSTS.items():
             columns = min(2, len(bodies))
             rows = -(-len(bodies) // columns)
-            figure, grid = plt.subplots(
+            figure, grid = subplots(
                 rows, columns, figsize=(7.5 * columns, 6.6 * rows + 0.8), squeeze=False, layout="constrained"
             )
             figure.get_layout_engine().set(rect=(0, 0.12 / (rows + 1), 1, 1 - 0.2 / (rows + 1)), w_pad=0.1, h_pad=0.12)
@@ -320,7 +319,7 @@ def torqued(table, folder):
             legend(figure)
             figure.text(0.012, 0.004, "   ".join(comments[1:3]), fontsize=6, color=FAINT)
             save(figure, folder, f"torqued{'' if instants == many else '-last'}{tag}")
-    figure, grid = plt.subplots(1, 2, figsize=(15, 7.2), layout="constrained")
+    figure, grid = subplots(1, 2, figsize=(15, 7.2), layout="constrained")
     figure.get_layout_engine().set(rect=(0, 0.05, 1, 0.94), w_pad=0.1)
     for axes, cost_name in zip(grid, TORQUED_COSTS):
         draw(axes, bodies[0], 1, cost_name)
@@ -399,7 +398,7 @@ def stability(table, folder):
         columns = 6
         rows = -(-len(methods) // columns)
         wide = name in ("axis", "span")
-        figure, grid = plt.subplots(
+        figure, grid = subplots(
             rows,
             columns,
             figsize=(15.5 if wide else 14.5, 2.2 * rows + 1.6),
@@ -487,25 +486,28 @@ def read_table(path):
         raise InputError(f"{path} is not a table of polhode chart: {error}") from None
 
 
-def main():
-    parser = scripts.Parser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("table", type=Path)
-    parser.add_argument("-o", "--output", type=Path, help="folder of the figures, made if it is not there")
-    arguments = parser.parse_args()
-    plt.rcParams.update({"font.family": "DejaVu Sans", "hatch.linewidth": 0.6, "svg.hashsalt": "polhode"})
-    table = read_table(arguments.table)
+def is_chart(path):
+    """Whether a file is a table of text that is none of attitudes: what polhode.read() takes for none of its own."""
+    try:
+        with open(path, "rb") as file:
+            head = file.read(4096).decode(errors="replace")
+    except OSError:
+        return False
+    return head.startswith("# %ECSV") and any(f"name: {column}" in head for column in DRAWINGS)
+
+
+def draw_file(path, folder=None):
+    """The figures of a table, as SVG and PNG beside it or in the folder, which is made. Raises InputError, FileError."""
+    table = read_table(path)
     draw, others = next((DRAWINGS[name] for name in DRAWINGS if name in table.colnames), (None, ""))
     if draw is None:
-        raise InputError(f"{arguments.table} is not a table of polhode chart: it has no column of {', '.join(DRAWINGS)}")
+        raise InputError(f"{path} is not a table of polhode chart: it has no column of {', '.join(DRAWINGS)}")
     for name in others.split():
         if name not in table.colnames:
-            raise InputError(f"{arguments.table} is not a whole table of polhode chart: it has no column {name}")
+            raise InputError(f"{path} is not a whole table of polhode chart: it has no column {name}")
         if (table[name].dtype.kind in "US") != (name in TEXTS):
-            raise InputError(f"{arguments.table}: column {name} holds {'numbers' if name in TEXTS else 'no numbers'}")
+            raise InputError(f"{path}: column {name} holds {'numbers' if name in TEXTS else 'no numbers'}")
     if len(table) == 0:
-        raise InputError(f"{arguments.table} has no rows")
-    draw(table, arguments.output or arguments.table.parent)
-
-
-if __name__ == "__main__":
-    scripts.run(main)
+        raise InputError(f"{path} has no rows")
+    with matplotlib.rc_context({"font.family": "DejaVu Sans", "hatch.linewidth": 0.6, "svg.hashsalt": "polhode"}):
+        draw(table, folder or Path(path).parent)

@@ -1,31 +1,22 @@
-#!/usr/bin/env python3
-"""Draw a tumbling body: its polhode on the momentum sphere with the planes of the separatrix, the same on its energy
-ellipsoid, and the path of its long axis on the sky.
+"""Pictures of a tumbling body: its polhode on the momentum sphere with the planes of the separatrix, the same on its energy
+ellipsoid, and the path of its long axis on the sky. And the figures of `polhode chart` (charts.py).
 
-    tools/plot_body.py FILE [-o OUT]
-
-FILE is an attitude ephemeris that `polhode propagate` wrote as FITS, or a body file, which is then propagated for twenty
-turns (by the program that the environment variable POLHODE names, else that of this source tree, else the one on the
-PATH). OUT ends in .png, .pdf or .svg.
+`polhode plot` is main(); body() gives the figure. They need matplotlib, and astropy for FITS.
 """
 
-import subprocess
-import tempfile
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
-import scripts
-
-scripts.need("astropy", "matplotlib", "numpy")
-
 import matplotlib
-from scripts import InputError
-
-matplotlib.use("Agg")
 import matplotlib.patheffects as effects
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+
+from . import _files
+from ._core import Body, Scene, read
+from ._errors import FileError, InputError
 
 INK = "#1b1f24"
 BLUE = "#0b5fa5"  # rotation about the axis of least inertia: case (i)
@@ -37,8 +28,8 @@ FARTHEST = 1.9  # of an energy ellipsoid that is drawn, in radii of the sphere: 
 
 
 @dataclass
-class Motion:
-    """Rows of an ephemeris, with the body's principal axes."""
+class Rows:
+    """Of an ephemeris, with the body's principal axes."""
 
     object: str
     method: str
@@ -58,15 +49,67 @@ def rotated(q, v):
     return v + q[:, :1] * t + np.cross(q[:, 1:], t)
 
 
-def read_motion(path):
-    ephemeris = scripts.read_ephemeris(path)
-    q, omega = ephemeris.q, ephemeris.omega_body
-    if len(q) < 2:
+def rows_of_file(path):
+    """Of a FITS file that `polhode propagate` wrote of a body."""
+    ephemeris = _files.read_ephemeris(path)
+    if len(ephemeris.q) < 2:
         raise InputError(f"{path} has one row; a picture needs two or more")
     moments = np.array([ephemeris.number(f"INERTIA{k}") for k in (1, 2, 3)])
-    principal = np.array([[ephemeris.number(f"QPRINC{k}") for k in range(4)]])
     if not 0 < moments[0] <= moments[1] <= moments[2]:
         raise InputError(f"{path}: INERTIA1 to 3 are {moments}; they must be positive and ascend")
+    time = ephemeris.time
+    length_s = (time[-1] - time[0]).to_value("s")
+    return rows_from(
+        path, ephemeris.q, ephemeris.omega_body, moments, np.array([[ephemeris.number(f"QPRINC{k}") for k in range(4)]]),
+        object=ephemeris.text("OBJECT"), method=ephemeris.text("METHOD"), frame=ephemeris.text("REFFRAMA"),
+        begin=time[0].isot[: characters(length_s)].replace("T", " "),
+        end=f"{time[-1].isot[: characters(length_s)].replace('T', ' ')} {ephemeris.text('TIMESYS')}",
+        time_s=(time - time[0]).to_value("s"),
+    )  # fmt: skip
+
+
+def rows_of_motion(motion, inertia, name, turns=20, count=6000):
+    """Of a motion over so many turns, or as long as a scene lasts."""
+    start = motion.epoch
+    state = motion(0.0)
+    rate = np.linalg.norm(state.omega)
+    if rate == 0:
+        raise InputError(f"{name}: the body is at rest, there is nothing to draw")
+    last_s = turns * 2 * np.pi / rate
+    first_s = 0.0
+    if motion.span:
+        first_s = motion.span[0] if last_s > motion.span[1] else 0.0
+        last_s = min(last_s, motion.span[1])
+    t = np.linspace(first_s, last_s, count)
+    states = motion(t)
+    decimals = 0 if last_s - first_s > 10 else 3
+    axes = inertia.named_from_principal
+    scalar_first = quaternion_of(axes)
+    return rows_from(
+        name, states.q, states.omega, inertia.principal_moments, scalar_first,
+        object=name, method=motion.account(first_s, last_s).method, frame=motion.frame,
+        begin=(start + first_s).text("TDB", decimals).replace("T", " "),
+        end=f"{(start + last_s).text('TDB', decimals).replace('T', ' ')} TDB",
+        time_s=t - t[0],
+    )  # fmt: skip
+
+
+def quaternion_of(matrix):
+    """1 x 4, scalar first, of a rotation matrix."""
+    K = np.array([
+        [np.trace(matrix), 0, 0, 0],
+        [matrix[2, 1] - matrix[1, 2], matrix[0, 0] - matrix[1, 1] - matrix[2, 2], 0, 0],
+        [matrix[0, 2] - matrix[2, 0], matrix[0, 1] + matrix[1, 0], matrix[1, 1] - matrix[0, 0] - matrix[2, 2], 0],
+        [matrix[1, 0] - matrix[0, 1], matrix[0, 2] + matrix[2, 0], matrix[1, 2] + matrix[2, 1], matrix[2, 2] - matrix[0, 0] - matrix[1, 1]],
+    ])  # fmt: skip
+    return np.linalg.eigh(K)[1][:, -1][None]
+
+
+def characters(length_s):
+    return 19 if length_s > 10 else 23  # of a date: to seconds, or milliseconds
+
+
+def rows_from(path, q, omega, moments, principal, **described):
     to_principal = principal * [1, -1, -1, -1]
     count = len(q)
     momentum = moments * rotated(np.repeat(to_principal, count, 0), omega)
@@ -76,40 +119,28 @@ def read_motion(path):
     momentum = momentum / length
     axes = [rotated(principal, np.eye(3)[k : k + 1]) for k in range(3)]
     in_body = sum(momentum[:1, k : k + 1] * axes[k] for k in range(3))
-    time = ephemeris.time
-    characters = 19 if (time[-1] - time[0]).to_value("s") > 10 else 23  # seconds, or milliseconds
-    return Motion(
-        object=ephemeris.text("OBJECT"),
-        method=ephemeris.text("METHOD"),
-        frame=ephemeris.text("REFFRAMA"),
-        begin=time[0].isot[:characters].replace("T", " "),
-        end=f"{time[-1].isot[:characters].replace('T', ' ')} {ephemeris.text('TIMESYS')}",
+    return Rows(
         moments=moments,
-        time_s=(time - time[0]).to_value("s"),
         momentum=momentum,
         long_axis=rotated(q, np.repeat(axes[0], count, 0)),
         momentum_direction=rotated(q[:1], in_body)[0],
+        **described,
     )
 
 
-def propagated(body_file, folder):
-    """The ephemeris of a body file or scene over some twenty turns, or as long as the scene lasts."""
-    program, out = scripts.program(), Path(folder) / "body.fits"
-
-    def run(*options, otherwise=None):
-        result = subprocess.run([program, "propagate", body_file, "-o", out, *options], capture_output=True, text=True)
-        if result.returncode == 2 and otherwise and "the scene lasts" in result.stderr:
-            return run(*otherwise)
-        if result.returncode != 0:
-            error = scripts.FileError if result.returncode == 3 else InputError
-            raise error(result.stderr.strip() or f"{program} ended with status {result.returncode}")
-
-    run("--stop", "+0 s", "--count", "1")
-    rate = np.linalg.norm(scripts.read_ephemeris(out).omega_body[0])
-    if rate == 0:
-        raise InputError(f"{body_file}: the body is at rest, there is nothing to draw")
-    run("--stop", f"+{20 * 2 * np.pi / rate:.9g} s", "--count", "6000", otherwise=("--count", "6000"))
-    return out
+def rows_of(what, turns=20):
+    """Of a FITS ephemeris, or of the motion of a body, a scene or a file of one."""
+    if isinstance(what, (str, os.PathLike)):
+        if not Path(str(what).partition("#")[0]).is_file() and not Path(what).is_file():
+            raise FileError(f"there is no file {what}" if not Path(what).exists() else f"{what} is not a file")
+        if Path(what).is_file() and _files.is_fits(what):
+            return rows_of_file(what)
+        what = read(what)
+    if isinstance(what, Scene):
+        return rows_of_motion(what.motion(), what.body.inertia, what.body.name, turns)
+    if isinstance(what, Body):
+        return rows_of_motion(what.motion(), what.inertia, what.name, turns)
+    raise InputError("a body, a scene or a FITS ephemeris of one is wanted")
 
 
 class View:
@@ -342,13 +373,19 @@ def sky(ax, motion):
     ax.grid(color="#c9ccd0", lw=0.6)
     ax.set_title(f"Path of the long axis on the sky ({along} and {across}, {motion.frame})", fontsize=11.5, color=INK, pad=12, parse_math=False)
     ax.legend(loc="lower left", bbox_to_anchor=(-0.075, -0.09), frameon=False, fontsize=9.5, labelspacing=0.7)
-    bar = plt.colorbar(lines, ax=ax, shrink=0.62, pad=0.04, aspect=22)
+    bar = ax.figure.colorbar(lines, ax=ax, shrink=0.62, pad=0.04, aspect=22)
     bar.set_label(f"{unit} from the first row", fontsize=9.5, color=INK)
     bar.outline.set_visible(False)
 
 
+def body(what, turns=20):
+    """The figure of a motion: `what` is a FITS ephemeris, a file of a body or scene, a Body or a Scene; of bodies so many
+    turns are drawn, of scenes no more than they last. Raises InputError, FileError."""
+    return draw(rows_of(what, turns))
+
+
 def draw(motion):
-    figure = plt.figure(figsize=(11.5, 11.2), dpi=150, facecolor="white")
+    figure = Figure(figsize=(11.5, 11.2), dpi=150, facecolor="white")
     grid = figure.add_gridspec(2, 2, height_ratios=[1.05, 1], hspace=0.1, wspace=0.02, left=0.06, right=0.97, top=0.885, bottom=0.04)
     # Looked at from the side where the momentum is, a little off the axis it goes about.
     middle = motion.momentum.mean(axis=0)
@@ -380,20 +417,19 @@ def picture_format(path):
     raise InputError(f"{path}: a picture ends in {', '.join(FORMATS[:-1])} or {FORMATS[-1]}")
 
 
-def main():
-    parser = scripts.Parser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("file", help="FITS ephemeris, body file or scene")
-    parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg (default: FILE's name with .png, beside FILE)")
-    arguments = parser.parse_args()
-    name = arguments.file.removesuffix(".gz")
-    out = Path(arguments.output or Path(name).with_suffix(".png"))
+def main(arguments):
+    parser = _files.Parser(prog="polhode plot", description="Draw a tumbling body, or a table of polhode chart")
+    parser.add_argument("file", help="FITS ephemeris, body file or scene; table of polhode chart")
+    parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg; of a table the folder (default: beside FILE)")
+    options = parser.parse_args(arguments)
+    from . import charts
+
+    if charts.is_chart(options.file):
+        charts.draw_file(Path(options.file), options.output)
+        return
+    name = options.file.removesuffix(".gz")
+    out = Path(options.output or Path(name).with_suffix(".png"))
     format = picture_format(out)
-    with tempfile.TemporaryDirectory(prefix="polhode-") as folder:
-        fits = scripts.is_fits(arguments.file)
-        figure = draw(read_motion(arguments.file if fits else propagated(arguments.file, folder)))
-    with scripts.whole_file(out) as file:
+    figure = body(options.file)
+    with _files.whole_file(out) as file:
         figure.savefig(file, format=format)
-
-
-if __name__ == "__main__":
-    scripts.run(main)

@@ -1,25 +1,4 @@
-#!/usr/bin/env python3
-"""Turn an attitude ephemeris that `polhode propagate` wrote as FITS into SPICE kernels.
-
-    tools/spice_kernels.py FILE.fits [-o FOLDER] [--id ID] [--name NAME] [--tolerance RADIANS]
-
-After furnsh of FOLDER/NAME.tm, pxform and sxform know the frame NAME_AXES (and NAME_AXES_PCK):
-
-    NAME_ck5.bc   CK type 5: Hermite interpolation, degree 11, between the rows; the accurate one, which NAME.tm loads
-    NAME_ck3.bc   CK type 3: rotation at a constant rate between the rows; for programs that know no type 5
-    NAME.bpc      binary PCK type 2: Chebyshev polynomials of the Euler angles ZXZ, for SPICE, ANISE and jplephem; only
-                  where rows are equally spaced and the body's z axis keeps clear of the line of the poles of J2000 or
-                  of ECLIPJ2000
-    NAME.tsc      the clock that a CK needs: counts ET
-    NAME.tf       the frames
-    NAME.tm       all of these but NAME_ck3.bc, to load at once, from any folder; PATH_VALUES in it is the folder where
-                  the kernels are: change that line if you move them
-
-Each says in its comments the largest error found between the rows, or for the PCK the promised one.
-
-The quaternion that SPICE wants is (QC, -Q1, -Q2, -Q3) of ours, its angular velocities are in the inertial frame, and its
-ET is SPICE's own TDB (up to 0.1 ms from that of FITS): each row keeps its instant.
-"""
+""""""
 
 import os
 import re
@@ -28,13 +7,11 @@ import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import scripts
-
-scripts.need("astropy", "numpy", "spiceypy")
-
 import numpy as np
 import spiceypy
-from scripts import FileError, InputError
+
+from . import _files
+from ._errors import FileError, InputError
 
 # SPICE's TDB, from its leap-seconds kernels: ET = TT + K sin(M + EB sin M), M = M0 + M1 t.
 DELTET_K, DELTET_EB, DELTET_M0, DELTET_M1 = 1.657e-3, 1.671e-2, 6.239996, 1.99096871e-7
@@ -74,7 +51,7 @@ class Rows:
 
 
 def read_rows(path):
-    ephemeris = scripts.read_ephemeris(path)
+    ephemeris = _files.read_ephemeris(path)
     frame = ephemeris.text("REFFRAMA")
     if frame not in SPICE_FRAMES:
         raise InputError(f"{path}: SPICE has no frame {frame}; write the FITS with --frame ICRF or ECLIPJ2000")
@@ -395,48 +372,55 @@ def number_and_name(object_name):
     return (int(found[1]), found[2]) if found else (None, object_name)
 
 
-def main():
-    parser = scripts.Parser(description=__doc__.split("\n\n")[0])
-    parser.add_argument("file", help="FITS ephemeris")
-    parser.add_argument("-o", "--output", default=".", help="folder of the kernels, made if it is not there (default: here)")
-    parser.add_argument("--id", type=int, help="NAIF id of the body (default: 2000000 + the minor planet's number before its name)")
-    parser.add_argument("--name", help=f"name for files and frames, at most {LONGEST_NAME} characters (default: the object's name)")
-    parser.add_argument(
-        "--tolerance", type=scripts.positive, help="promised error of the binary PCK in rad (default: 1e-9, more for a fast body)"
-    )
-    arguments = parser.parse_args()
-    rows = read_rows(arguments.file)
+def kernels(file, folder=".", *, id=None, name=None, tolerance=None):
+    """Writes the kernels of a FITS ephemeris into a folder, which is made; lines that say what was written.
+
+    id: NAIF's number of the body (2000000 + a minor planet's number before its name, unless given); name: of files and
+    frames, the object's unless given; tolerance: rad promised for the binary PCK (1e-9, more for a fast body). Raises
+    InputError, FileError.
+    """
+    rows = read_rows(file)
     number, object_name = number_and_name(rows.object)
-    if arguments.id is None and number is None:
+    if id is None and number is None:
         raise InputError(
             f"'{rows.object}' does not begin with a minor planet's number: give its NAIF id by --id, for a satellite a "
             "negative number, as --id -999123"
         )
-    body_id = arguments.id if arguments.id is not None else 2000000 + number
+    body_id = id if id is not None else 2000000 + number
     if not 0 < abs(body_id) < 2**31:
         raise InputError(f"--id is {body_id}; it must be between 1 and 2147483647, or the negative of that")
-    name = re.sub(r"[^A-Z0-9]+", "_", (arguments.name or object_name).upper()).strip("_")
+    name = re.sub(r"[^A-Z0-9]+", "_", (name or object_name).upper()).strip("_")
     if not 1 <= len(name) <= LONGEST_NAME:
         raise InputError(
             f"SPICE's frames would begin with '{name}', which has {len(name)} characters; give 1 to {LONGEST_NAME} letters, "
             "digits and _ by --name"
         )
-    folder = Path(arguments.output)
+    folder = Path(folder)
     with tempfile.TemporaryDirectory(prefix="polhode-") as work:
         try:
-            kernels, said = write_kernels(rows, Path(work), folder, name, body_id, arguments.tolerance)
+            made, said = write_kernels(rows, Path(work), folder, name, body_id, tolerance)
         except spiceypy.exceptions.SpiceyError as error:
             raise FileError(f"the kernels cannot be written: {error.short} {error.long}") from None
-        scripts.made_folder(folder)
-        for kernel in kernels:
-            made, target = Path(work, kernel), folder / kernel
-            if made.exists():
-                with scripts.whole_file(target) as file, open(made, "rb") as source:
-                    shutil.copyfileobj(source, file)
+        _files.made_folder(folder)
+        for kernel in made:
+            source, target = Path(work, kernel), folder / kernel
+            if source.exists():
+                with _files.whole_file(target) as file, open(source, "rb") as content:
+                    shutil.copyfileobj(content, file)
             else:
                 target.unlink(missing_ok=True)  # of an earlier run, which this one's .tm does not load
+    return said
+
+
+def main(arguments):
+    parser = _files.Parser(prog="polhode spice", description="SPICE kernels of an attitude ephemeris that polhode propagate wrote as FITS")
+    parser.add_argument("file", help="FITS ephemeris")
+    parser.add_argument("-o", "--output", default=".", help="folder of the kernels, made if it is not there (default: here)")
+    parser.add_argument("--id", type=int, help="NAIF id of the body (default: 2000000 + the minor planet's number before its name)")
+    parser.add_argument("--name", help=f"name for files and frames, at most {LONGEST_NAME} characters (default: the object's name)")
+    parser.add_argument(
+        "--tolerance", type=_files.positive, help="promised error of the binary PCK in rad (default: 1e-9, more for a fast body)"
+    )
+    options = parser.parse_args(arguments)
+    said = kernels(options.file, options.output, id=options.id, name=options.name, tolerance=options.tolerance)
     print("\n".join(said))
-
-
-if __name__ == "__main__":
-    scripts.run(main)

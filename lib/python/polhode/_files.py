@@ -1,9 +1,7 @@
-"""What the Python scripts of this folder share: their packages, attitude ephemerides in, files out, ends in one line."""
+"""What the subcommands in Python share: attitude ephemerides in, files out, ends in one line."""
 
 import argparse
-import importlib.util
 import os
-import shutil
 import signal
 import stat
 import sys
@@ -13,36 +11,17 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-
-
-class InputError(Exception):
-    """What was given breaks a rule; exit status 2."""
-
-
-class FileError(Exception):
-    """A file cannot be read or written; exit status 3."""
-
-
-def need(*packages):
-    """Goes on in build/venv if this Python lacks one of the packages; ends where that does, too."""
-    missing = [package for package in packages if importlib.util.find_spec(package) is None]
-    if not missing:
-        return
-    python = ROOT / "build/venv/bin/python"
-    if python.exists() and Path(sys.prefix).resolve() != python.parent.parent.resolve():
-        os.execv(python, [python, *sys.argv])
-    end(1, f"this Python has no {' and no '.join(missing)}; tools/setup makes {python}, which has all that is needed")
+from ._errors import ComputationError, FileError, InputError
 
 
 def end(status, message):
     line = " ".join(str(message).split())
-    print(f"{Path(sys.argv[0]).stem}: {line}", file=sys.stderr)
+    print(f"polhode: {line}", file=sys.stderr)
     sys.exit(status)
 
 
 def run(main):
-    """Calls main(). What goes wrong with files and arguments ends in one line on standard error and status 2 or 3."""
+    """Calls main(). What goes wrong ends in one line on standard error and the program's status."""
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) == signal.SIG_DFL:  # so that what is half written is removed
             signal.signal(number, lambda number, _: sys.exit(128 + number))
@@ -53,6 +32,10 @@ def run(main):
         end(2, error)
     except FileError as error:
         end(3, error)
+    except ComputationError as error:
+        end(1, error)
+    except ModuleNotFoundError as error:
+        end(1, f"this Python has no {error.name}: pip install 'polhode[plot,spice]' brings it")
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what standard output did not take is not tried again
         end(3, f"{error.filename or 'standard output'}: {error.strerror or error}")
@@ -129,23 +112,6 @@ def made_folder(path):
     except OSError as error:
         raise FileError(f"the folder {path} cannot be made: {error.strerror}") from None
     return path
-
-
-# --- The program ------------------------------------------------------------------------------------------------------
-
-
-def program():
-    """The polhode program: the one that the environment variable POLHODE names, that of this source tree, or the one on
-    the PATH."""
-    named = os.environ.get("POLHODE")
-    places = [named] if named else [ROOT / "build/bin/polhode", "polhode"]
-    for place in places:
-        found = shutil.which(place)
-        if found:
-            return found
-    if named:
-        raise FileError(f"POLHODE is {named}, which is no program")
-    raise FileError(f"there is no program {places[0]} and no polhode on the PATH; build it by tools/setup, or name it in POLHODE")
 
 
 # --- Attitude ephemerides in ------------------------------------------------------------------------------------------
