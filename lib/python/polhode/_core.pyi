@@ -9,6 +9,8 @@ import numpy.typing
 import scipy.spatial.transform
 
 
+version: str = '0.1.0'
+
 class Instant:
     """
     One instant, whatever the time scale: good to far less than a nanosecond. Instants compare, their difference is in SI seconds as TT counts them, and so is what is added to one.
@@ -48,9 +50,8 @@ class Instant:
         Why UTC is in doubt at this instant, or None: before 1960, or years beyond the last known leap second.
         """
 
-    @property
-    def astropy(self) -> astropy.time.Time:
-        """As an astropy Time, in TT."""
+    def to_astropy(self) -> astropy.time.Time:
+        """As a Time, in TT."""
 
     @overload
     def __sub__(self, arg: Instant, /) -> float: ...
@@ -60,7 +61,7 @@ class Instant:
 
     def __add__(self, arg: float, /) -> Instant: ...
 
-    def __eq__(self, arg: Instant, /) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
 
     def __lt__(self, arg: Instant, /) -> bool: ...
 
