@@ -76,12 +76,19 @@ def test_one_time(motion):
 
 def test_two_threads(motion, times):
     out = np.zeros((COUNT, 4)), np.zeros((COUNT, 3))
-
-    def part():
-        one = best_ns(lambda: motion(times, out=out), COUNT)
-        return best_ns(lambda: motion(times, out=out, threads=2), COUNT) / one
-
-    within(1 / 1.8, part)
+    seen = []
+    for _ in range(5 * TRIES):
+        one = best_ns(lambda: motion(times, out=out), COUNT, 3)
+        begin, used = time.perf_counter_ns(), time.process_time_ns()
+        motion(times, out=out, threads=2)
+        wall, used = time.perf_counter_ns() - begin, time.process_time_ns() - used
+        if used > 1.9 * wall:  # both processors were ours
+            seen.append(wall / COUNT / one)
+            if seen[-1] <= 1 / 1.8:
+                return
+    if not seen:
+        pytest.skip("no two processors were free at the same time")
+    pytest.fail(f"{min(seen):.3g} of the time of one thread at the best, {1 / 1.8:.3g} is allowed: {seen}")
 
 
 def test_a_thousand_bodies_at_a_thousand_times():
@@ -95,19 +102,20 @@ def test_a_thousand_bodies_at_a_thousand_times():
 
 
 def test_faster_than_spice_reads_its_own_kernel(tmp_path):
-    """spiceypy's vectorised reading of the same motion from a C-kernel, in the same run."""
-    motion = polhode.read(TOUTATIS).motion()
-    motion.ephemeris(stop="+60 d", step="1 h").write(tmp_path / "toutatis.fits")
+    """spiceypy's reading of the same motion from a C-kernel, in the same run: it has no call for many times."""
+    motion = polhode.read(TOUTATIS).motion(frame="ICRF")
+    motion.ephemeris(stop="+60 d", step="6 min").write(tmp_path / "toutatis.fits")
     spice.kernels(tmp_path / "toutatis.fits", tmp_path)
     spiceypy.furnsh(str(tmp_path / "toutatis.tm"))
     try:
         t = np.random.default_rng(3).uniform(0, 59 * 86400, 2000)
-        et = motion.epoch.since_j2000("ET")[0] + t
-        theirs = best_ns(lambda: spiceypy.pxform("TOUTATIS_AXES", "J2000", et), len(t), 3)
+        et = [(motion.epoch + one).since_j2000("ET")[0] for one in t]
+        matrices = [spiceypy.pxform("TOUTATIS_AXES", "J2000", one) for one in et]
+        theirs = best_ns(lambda: [spiceypy.pxform("TOUTATIS_AXES", "J2000", one) for one in et], len(t), 3)
         ours = best_ns(lambda: motion(t), len(t))
         print(f"spiceypy {theirs:.0f} ns, polhode {ours:.0f} ns per attitude")
         assert ours < theirs
-        turned = Rotation.from_matrix(spiceypy.pxform("TOUTATIS_AXES", "J2000", et)).inv() * motion(t).rotation
+        turned = Rotation.from_matrix(np.array(matrices)).inv() * motion(t).rotation
         assert_within(turned.magnitude(), 1e-9)
     finally:
         spiceypy.kclear()

@@ -30,6 +30,7 @@ void go_on(const std::string& subcommand, const std::vector<std::string>& argume
   std::vector<std::string> words{python(), "-m", "polhode", subcommand};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   ::execvp(argv.front(), argv.data());

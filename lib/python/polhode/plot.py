@@ -427,9 +427,8 @@ def main(arguments):
     if charts.is_chart(options.file):
         charts.draw_file(Path(options.file), options.output)
         return
-    name = options.file.removesuffix(".gz")
-    out = Path(options.output or Path(name).with_suffix(".png"))
-    format = picture_format(out)
     figure = body(options.file)
+    out = Path(options.output or Path(options.file.removesuffix(".gz")).with_suffix(".png"))
+    format = picture_format(out)
     with _files.whole_file(out) as file:
         figure.savefig(file, format=format)
