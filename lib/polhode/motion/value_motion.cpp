@@ -1,0 +1,512 @@
+#include "polhode/motion/value_motion.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <optional>
+
+#include "polhode/base/double_double.hpp"
+#include "polhode/base/error.hpp"
+#include "polhode/body/inertia.hpp"
+#include "polhode/motion/dormand_prince.hpp"
+
+namespace polhode {
+namespace {
+
+namespace dp = dormand_prince;
+using dp::Unknowns;  // angular momentum in inertial axes (3), the rest of the energy (1), attitude x, y, z, w (4)
+
+/// Found on the torqued bodies of data/truth, on random ones and on boxes in sunlight.
+struct Tuning {
+  static constexpr double first_run = 15.0;     // its estimated errors, all added up, in tolerances
+  static constexpr double finer = 0.1;          // of the next run
+  static constexpr double power = 8.0 / 7.0;    // of these, by which the errors of a run fall
+  static constexpr double safety = 3.0;         // of what the difference of two runs says by that power
+  static constexpr double with_kinks = 4.0;     // claimed of the difference
+  static constexpr double most_gain = 14.0;     // of a finer run, if nothing says that the power holds
+  static constexpr double rounding_of_run = 3e-15;  // of a step, beside estimated errors
+  static constexpr double comparable_rad = 1e-2;  // runs that differ by more say nothing of each other
+  static constexpr double aside = 2e-16;
+  static constexpr double aim = 0.5;
+  static constexpr int most_runs = 7;
+  static constexpr double longest_turn_rad = 2.5;    // of a step
+  static constexpr double time_scale_share = 0.7;    // of a step in r/v: an encounter is never stepped over
+  static constexpr double rounding = 1.5e-15;       // of a rate, in the estimated error
+  static constexpr double small_torque = 0.1;        // beside m x omega
+  static constexpr std::size_t steps_between_comparisons = 8, most_comparisons = 200;
+};
+
+/// A power of two near the largest moment: in it the numbers are near 1.
+double unit_of(const Vector3& moments) { return std::exp2(std::floor(std::log2(moments[2]))); }
+
+Eigen::Quaterniond attitude(const Unknowns& y) { return Eigen::Quaterniond(y.tail<4>().matrix()); }
+
+}  // namespace
+
+/// The derivatives of the unknowns.
+class ValueMotion::Rates {
+ public:
+  Rates(const Vector3& moments, const Leg& leg)
+      : given_moments_(moments), per_unit_(1.0 / unit_of(moments)), moments_(moments * per_unit_), leg_(leg) {}
+
+  Unknowns operator()(double t_s, const Unknowns& y) const {
+    ++evaluations_;
+    for (std::size_t i = 0; i < leg_.ways.size(); ++i) around_[i] = leg_.ways[i].state(t_s, piece_[i]);
+    const Matrix3 R = rotation(y);
+    const Vector3 m = R.transpose() * y.head<3>().matrix();
+    Vector3 omega = m.cwiseQuotient(moments_);
+    const TorqueTerms<double> terms = leg_.torques.at(around_, R, given_moments_);
+    const Vector3 torque = per_unit_ * terms.torque(omega);
+    double energy_rate = 2.0 * torque.dot(m.cwiseProduct(energy_weights_));
+    if (terms.relaxation != 0.0) {
+      const Vector3 turn = terms.relaxation / per_unit_ * m.cross(omega);
+      energy_rate += 2.0 * m.cross(turn).dot(m.cwiseProduct(energy_weights_));
+      omega += turn;
+    }
+    Unknowns rate;
+    rate.head<3>() = R * torque;
+    rate[3] = energy_rate;
+    const double x = y[4], y_ = y[5], z = y[6], w = y[7];
+    rate[4] = 0.5 * (w * omega[0] + y_ * omega[2] - z * omega[1]);
+    rate[5] = 0.5 * (w * omega[1] + z * omega[0] - x * omega[2]);
+    rate[6] = 0.5 * (w * omega[2] + x * omega[1] - y_ * omega[0]);
+    rate[7] = -0.5 * (x * omega[0] + y_ * omega[1] + z * omega[2]);
+    return rate;
+  }
+
+  /// Of q of any length but 0.
+  static Matrix3 rotation(const Unknowns& u) {
+    const double x = u[4], y = u[5], z = u[6], w = u[7];
+    const double s = 2.0 / (x * x + y * y + z * z + w * w);
+    Matrix3 R;
+    R << 1.0 - s * (y * y + z * z), s * (x * y - w * z), s * (x * z + w * y), s * (x * y + w * z),
+        1.0 - s * (x * x + z * z), s * (y * z - w * x), s * (x * z - w * y), s * (y * z + w * x),
+        1.0 - s * (x * x + y * y);
+    return R;
+  }
+
+  /// The unknown in the energy's place is sum of weights m_i^2: of 2 E I3 - m^2, or of m^2 - 2 E I1, whichever is
+  /// small near the axis that the body turns about, so that it keeps its digits. True if they are others than before.
+  bool choose_energy(const Vector3& m) {
+    const double about_short = weights(true).dot(m.cwiseAbs2()), about_long = weights(false).dot(m.cwiseAbs2());
+    const bool is_short = about_short < (is_short_ ? 2.0 : 0.5) * about_long;
+    if (is_short == is_short_ && chosen_) return false;
+    is_short_ = is_short, chosen_ = true;
+    energy_weights_ = weights(is_short);
+    return true;
+  }
+  const Vector3& energy_weights() const { return energy_weights_; }
+  const Vector3& moments() const { return moments_; }
+  double per_unit() const { return per_unit_; }
+  std::size_t evaluations() const { return evaluations_; }
+
+  /// As Torques::time_scale_s(), of where it was last asked for the derivatives.
+  double time_scale_s() const {
+    double scale_s = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < leg_.ways.size(); ++i) {
+      scale_s = std::min(scale_s, around_[i].position_m.norm() / around_[i].velocity_m_s.norm());
+    }
+    return scale_s;
+  }
+
+ private:
+  Vector3 weights(bool is_short) const {
+    const Vector3& I = moments_;
+    return is_short ? Vector3((I[2] - I[0]) / I[0], (I[2] - I[1]) / I[1], 0.0)
+                    : Vector3(0.0, (I[1] - I[0]) / I[1], (I[2] - I[0]) / I[2]);
+  }
+
+  const Vector3& given_moments_;
+  double per_unit_;
+  Vector3 moments_, energy_weights_ = Vector3::Zero();
+  bool is_short_ = true, chosen_ = false;
+  const Leg& leg_;
+  mutable Torques::Surroundings<double> around_;
+  mutable std::size_t piece_[Torques::kMostTrajectories] = {};
+  mutable std::size_t evaluations_ = 0;
+};
+
+/// Makes paths; what they share while they are made.
+class ValueMotion::Builder {
+ public:
+  Builder(const FreeBody& body, const Torques& torques, const Options& options)
+      : body_(body), torques_(torques), options_(options) {
+    for (const bool forward : {true, false}) {
+      const double end_s = forward ? options.last_s : options.first_s;
+      std::vector<double> ends_s;
+      for (const double jump_s : torques.jumps_s()) {
+        if (jump_s != 0.0 && (jump_s > 0.0) == forward && std::abs(jump_s) < std::abs(end_s)) ends_s.push_back(jump_s);
+      }
+      ends_s.push_back(end_s);
+      std::sort(ends_s.begin(), ends_s.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+      double from_s = 0.0;
+      for (const double to_s : ends_s) {
+        Leg leg{torques.during(0.5 * (from_s + to_s)), {}, {{from_s, {}, {}}, {to_s, {}, {}}}};
+        for (const Trajectory& way : leg.torques.trajectories()) {
+          leg.ways.emplace_back(way, std::min(from_s, to_s), std::max(from_s, to_s));
+        }
+        (forward ? forward_ : backward_).push_back(std::move(leg));
+        from_s = to_s;
+      }
+    }
+  }
+
+  /// Runs both ways with steps whose estimated errors add up to `sum_rad`, and compares with the paths of another run,
+  /// if there are any. False if the limit of evaluations ended it.
+  bool run(double sum_rad, const Path* other_forward, const Path* other_backward, Path& forward, Path& backward) {
+    sum_rad_ = sum_rad;
+    aside_ = !aside_;
+    difference_rad_ = dense_error_rad_ = 0.0;
+    forward = forward_, backward = backward_;
+    if (run(forward, other_forward)) return run(backward, other_backward);
+    Unknowns start, low;
+    begin(start, low);
+    backward.resize(1);
+    backward.front().nodes.assign(1, node(0.0, start));
+    return false;
+  }
+
+  double difference_rad() const { return difference_rad_; }    ///< of the last run and the one it was compared with
+  double dense_error_rad() const { return dense_error_rad_; }  ///< of the last run between the ends of steps
+  std::size_t evaluations() const { return evaluations_; }
+
+ private:
+  void begin(Unknowns& y, Unknowns& low) const {
+    const auto q = body_.q_inertial_from_body.cast<long double>().normalized();
+    const long double per_unit = 1.0 / unit_of(body_.principal_moments);
+    const Vector3Of<long double> m = q * Vector3Of<long double>(body_.momentum_body.cast<long double>() * per_unit);
+    Eigen::Array<long double, 8, 1> exact;
+    exact << m.array(), 0.0L, q.coeffs().array();
+    if (aside_) {
+      const long double axes[4] = {1.0L, -1.0L, 0.5L, -0.5L};
+      for (int i = 0; i < 4; ++i) exact[4 + i] += static_cast<long double>(Tuning::aside) * axes[i];
+      exact.head<3>() *= 1.0L + static_cast<long double>(Tuning::aside);
+    }
+    y = exact.cast<double>();
+    low = (exact - y.cast<long double>()).cast<double>();
+  }
+
+  Node node(double t_s, const Unknowns& y) const {
+    const double unit = unit_of(body_.principal_moments);
+    return {t_s, {unit * y[0], unit * y[1], unit * y[2]}, {y[4], y[5], y[6], y[7]}};
+  }
+
+  static bool end_in(Path& path, std::size_t l) {
+    path.resize(l + 1);
+    return false;
+  }
+
+  bool run(Path& path, const Path* other) {
+    Unknowns y, low;
+    begin(y, low);
+    const double end_s = path.back().nodes.back().t_s;
+    double wanted_s = std::abs(end_s);
+    for (std::size_t l = 0; l < path.size(); ++l) {
+      Leg& leg = path[l];
+      const double leg_end_s = leg.nodes.back().t_s;
+      leg.nodes.assign(1, node(leg.nodes.front().t_s, y));
+      const std::vector<Node>* others = other == nullptr ? nullptr : &(*other)[l].nodes;
+      if (!run(leg, leg_end_s, end_s, others, y, low, wanted_s)) return end_in(path, l);
+    }
+    return true;
+  }
+
+  /// The nodes of another run that this one meets, one after the other.
+  struct Meetings {
+    const std::vector<Node>* nodes;
+    std::size_t every = 1, next = 0;
+
+    Meetings(const std::vector<Node>* others) : nodes(others) {
+      if (nodes == nullptr) return;
+      const std::size_t steps = nodes->size() - 1;
+      every = std::max(std::min(Tuning::steps_between_comparisons, steps / 8), steps / Tuning::most_comparisons);
+      every = std::max<std::size_t>(every, 1);
+      advance();
+    }
+    void advance() { next = std::min(next + every, nodes->size() - 1); }
+    double next_s(double leg_end_s) const { return nodes == nullptr ? leg_end_s : (*nodes)[next].t_s; }
+  };
+
+  bool run(Leg& leg, double leg_end_s, double end_s, const std::vector<Node>* others, Unknowns& y, Unknowns& low,
+           double& wanted_s) {
+    double t_s = leg.nodes.front().t_s;
+    if (t_s == leg_end_s) return true;
+    Rates rates(body_.principal_moments, leg);
+    Meetings meetings(others);
+    Unknowns k[dp::kStagesOfAll];
+    Vector3 m = momentum(y);
+    if (rates.choose_energy(m)) set_energy(rates, m, y, low);
+    k[0] = rates(t_s, y);
+    const std::size_t before = evaluations_;
+    bool whole = true;
+    while (t_s != leg_end_s) {
+      evaluations_ = before + rates.evaluations();
+      if (evaluations_ >= options_.most_evaluations) {
+        whole = false;
+        break;
+      }
+      const Vector3& I = rates.moments();
+      const double torque = k[0].head<3>().matrix().norm();
+      const Vector3 omega = m.cwiseQuotient(I);
+      const double rate_rad_s = std::max(omega.norm(), std::sqrt(torque / I[0]));
+      const bool has_energy = torque < Tuning::small_torque * m.norm() * omega.norm();
+
+      const double stop_s = meetings.next_s(leg_end_s), remaining_s = std::abs(stop_s - t_s);
+      double length_s = std::min(wanted_s, Tuning::time_scale_share * rates.time_scale_s());
+      if (rate_rad_s > 0.0) {
+        length_s = std::min(length_s, (leg.nodes.size() == 1 ? 0.1 : Tuning::longest_turn_rad) / rate_rad_s);
+      }
+      const double free_s = length_s;
+      if (length_s > 0.999 * remaining_s) {
+        length_s = remaining_s;
+      } else if (length_s > 0.5 * remaining_s) {
+        length_s = 0.5 * remaining_s;  // no sliver at the end
+      }
+      const double to_s = length_s == remaining_s ? stop_s : t_s + std::copysign(length_s, stop_s - t_s);
+      const double h = to_s - t_s;
+      if (!(std::abs(h) > 4e-16 * std::abs(t_s))) {
+        whole = false;
+        break;
+      }
+
+      dp::stages<1, dp::kStages>(rates, t_s, y, h, k);
+      // A momentum off by a part d turns the body d omega t away in the time t that is left; but these errors swing
+      // rather than add up, and what they come to is measured afterwards: the geometric mean.
+      const double growth = std::sqrt(1.0 + rate_rad_s * std::abs(end_s - t_s));
+      const double per_momentum = growth / std::max(m.norm(), I[0] * rate_rad_s);
+      Unknowns weights;
+      weights << per_momentum, per_momentum, per_momentum, has_energy ? per_momentum * per_momentum / growth : 0.0, 2.0,
+          2.0, 2.0, 2.0;
+      const double error = dp::error(h, k, weights);
+      const double rounding = Tuning::rounding * (rate_rad_s + torque * per_momentum);
+      const double allowed = std::max(sum_rad_ / std::abs(end_s), rounding) * std::abs(h);
+      const bool good = error <= allowed;
+      const double factor =
+          !std::isfinite(error) ? 0.1 : 0.9 * std::pow(allowed / std::max(error, 1e-300), 1.0 / 7.0);
+      wanted_s = std::abs(h) * std::clamp(factor, 0.1, good ? 4.0 : 0.9);
+      if (good && std::abs(h) < free_s) wanted_s = std::max(wanted_s, free_s);
+      if (!good) continue;
+
+      const Unknowns start = y;
+      add(dp::increment(h, k), y, low);
+      k[dp::kStages] = rates(to_s, y);
+      if (leg.nodes.size() % (leg.nodes.size() < 32 ? 8 : 32) == 3) check_dense(rates, t_s, start, h, k);
+      t_s = to_s;
+      k[0] = k[dp::kStages];
+      settle(rates, has_energy, y, low, m);
+      leg.nodes.push_back(node(t_s, y));
+      if (rates.choose_energy(m)) set_energy(rates, m, y, low);
+      if (others != nullptr && t_s == stop_s) {
+        const Eigen::Quaterniond there(Eigen::Map<const Eigen::Vector4d>((*others)[meetings.next].q));
+        const double angle = rotation_angle_rad(there.normalized(), attitude(y).normalized());
+        if (!(angle <= difference_rad_)) difference_rad_ = angle;
+        meetings.advance();
+      }
+    }
+    evaluations_ = before + rates.evaluations();
+    return whole;
+  }
+
+  static Vector3 momentum(const Unknowns& y) { return Rates::rotation(y).transpose() * y.head<3>().matrix(); }
+
+  static void add(const Unknowns& increment, Unknowns& y, Unknowns& low) {
+    for (int i = 0; i < 8; ++i) {
+      const DoubleDouble sum = two_sum(y[i], low[i] + increment[i]);
+      y[i] = sum.high, low[i] = sum.low;
+    }
+  }
+
+  static void set_energy(const Rates& rates, const Vector3& m, Unknowns& y, Unknowns& low) {
+    y[3] = rates.energy_weights().dot(m.cwiseAbs2());
+    low[3] = 0.0;
+  }
+
+  /// Makes q a unit again, and turns the body by the least angle that gives it the energy it should have.
+  static void settle(const Rates& rates, bool has_energy, Unknowns& y, Unknowns& low, Vector3& m) {
+    Unknowns change = Unknowns::Zero();
+    change.tail<4>() = -0.5 * (y.tail<4>().square().sum() - 1.0) * y.tail<4>();
+    m = momentum(y);
+    if (has_energy) {
+      const Vector3 weighed = rates.energy_weights().cwiseProduct(m);
+      const Vector3 slope = 2.0 * weighed.cross(m);  // of the energy, by a turn in body axes
+      const double slope2 = slope.squaredNorm(), missing = y[3] - weighed.dot(m);
+      if (slope2 > 0.0) {
+        const Vector3 turn = missing / slope2 * slope;
+        if (turn.squaredNorm() < 1e-6) {
+          const Vector3 half = 0.5 * turn;
+          const double x = y[4], y_ = y[5], z = y[6], w = y[7];
+          change[4] += w * half[0] + y_ * half[2] - z * half[1];
+          change[5] += w * half[1] + z * half[0] - x * half[2];
+          change[6] += w * half[2] + x * half[1] - y_ * half[0];
+          change[7] -= x * half[0] + y_ * half[1] + z * half[2];
+          m += m.cross(turn);
+        }
+      }
+    }
+    add(change, y, low);
+  }
+
+  /// The continuous extension beside a shorter step.
+  void check_dense(const Rates& rates, double t_s, const Unknowns& y, double h, Unknowns* k) {
+    constexpr double part = 0.4;
+    dp::stages<dp::kStages + 1, dp::kStagesOfAll>(rates, t_s, y, h, k);
+    const Unknowns dense = dp::Dense(y, h, k).at(part);
+    Unknowns shorter[dp::kStages];
+    shorter[0] = k[0];
+    dp::stages<1, dp::kStages>(rates, t_s, y, part * h, shorter);
+    const Unknowns whole = y + dp::increment(part * h, shorter);
+    const double angle = rotation_angle_rad(attitude(dense).normalized(), attitude(whole).normalized());
+    if (!(angle <= dense_error_rad_)) dense_error_rad_ = angle;
+  }
+
+  const FreeBody& body_;
+  Torques torques_;
+  const Options& options_;
+  double sum_rad_ = 0.0;
+  bool aside_ = true;
+  Path forward_, backward_;  // legs with their two ends as nodes
+  double difference_rad_ = 0.0, dense_error_rad_ = 0.0;
+  std::size_t evaluations_ = 0;
+};
+
+ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Options& options)
+    : moments_(checked(body).principal_moments) {
+  if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
+    throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
+  }
+  check_span(options.first_s, options.last_s);
+  Builder builder(body, torques, options);
+  error_rad_ = std::numeric_limits<double>::infinity();
+  double sum_rad = Tuning::first_run * options.tolerance_rad;
+  whole_ = builder.run(sum_rad, nullptr, nullptr, forward_, backward_);
+  kept_evaluations_ = builder.evaluations();
+  double before_rad = error_rad_, finer = Tuning::finer, gain_before = 0.0;
+  int poor = 0;
+  for (int i = 1; whole_ && i < Tuning::most_runs; ++i) {
+    Path forward, backward;
+    const std::size_t before = builder.evaluations();
+    whole_ = builder.run(finer * sum_rad, &forward_, &backward_, forward, backward);
+    if (!whole_) break;
+    sum_rad *= finer;
+    kept_evaluations_ = builder.evaluations() - before;
+    forward_ = std::move(forward), backward_ = std::move(backward);
+    const double difference = builder.difference_rad();
+    // By how much the finer run is better than the coarser one: by the known power, but by no more than tenfold unless
+    // the runs before have shown it; and never by more than rounding lets it.
+    const double expected_gain = std::pow(finer, -Tuning::power);
+    const bool as_known = before_rad < Tuning::comparable_rad && before_rad > 0.5 * gain_before * difference;
+    const double gain = as_known ? expected_gain : std::min(expected_gain, Tuning::most_gain);
+    const double rounding = Tuning::rounding_of_run * std::sqrt(static_cast<double>(steps())) / (sum_rad / finer);
+    gain_before = expected_gain;
+    double claim = torques.smooth() ? Tuning::safety * (1.0 / (gain - 1.0) + rounding) * difference
+                                    : Tuning::with_kinks * difference;
+    claim += 2.0 * builder.dense_error_rad();
+    error_rad_ = difference < Tuning::comparable_rad ? claim : std::max(claim, difference);
+    if (std::getenv("VM")) fmt::print("  run {} sum {:.1e} diff {:.2e} dense {:.2e} claim {:.2e} evals {}\n", i, sum_rad, difference, builder.dense_error_rad(), error_rad_, kept_evaluations_);
+    if (difference < Tuning::comparable_rad && error_rad_ <= options.tolerance_rad) break;
+    poor += difference < 0.1 && !(difference < 0.5 * before_rad);
+    if (poor >= 2) break;
+    before_rad = difference;
+    // The difference was that of the coarser run: the finer one is better already.
+    const double expected = claim / (torques.smooth() ? 1.0 : Tuning::with_kinks);
+    finer = std::clamp(std::pow(Tuning::aim * options.tolerance_rad / expected, 1.0 / Tuning::power), 1e-3, 0.25);
+  }
+  evaluations_ = builder.evaluations();
+  first_s_ = backward_.back().nodes.back().t_s;
+  last_s_ = forward_.back().nodes.back().t_s;
+}
+
+std::size_t ValueMotion::steps() const {
+  std::size_t count = 0;
+  for (const Path* path : {&forward_, &backward_}) {
+    for (const Leg& leg : *path) count += leg.nodes.size() - 1;
+  }
+  return count;
+}
+
+/// One step as polynomials.
+class ValueMotion::Step {
+ public:
+  Step(const Vector3& moments, const Place& place) : place_(place), unit_(unit_of(moments)) {
+    const Node& from = place.leg->nodes[place.step];
+    Unknowns y;
+    y << Eigen::Map<const Eigen::Array3d>(from.momentum_inertial) / unit_, 0.0,
+        Eigen::Map<const Eigen::Array4d>(from.q);
+    from_s_ = from.t_s;
+    if (place.leg->nodes.size() > 1) {
+      const Rates rates(moments, *place.leg);
+      h_ = place.leg->nodes[place.step + 1].t_s - from_s_;
+      Unknowns k[dp::kStagesOfAll];
+      k[0] = rates(from_s_, y);
+      dp::stages<1, dp::kStagesOfAll>(rates, from_s_, y, h_, k);
+      dense_.emplace(y, h_, k);
+    } else {
+      dense_.emplace(y);
+    }
+  }
+
+  const Place& place() const { return place_; }
+
+  State at(double t_high_s, double t_low_s) const {
+    const Unknowns y = dense_->at(((t_high_s - from_s_) + t_low_s) / h_);
+    State state;
+    state.q_inertial_from_body = attitude(y).normalized();
+    state.momentum_body = unit_ * (Rates::rotation(y).transpose() * y.head<3>().matrix());
+    if (state.momentum_body.stableNorm() < kLeastMagnitude) state.momentum_body.setZero();
+    return state;
+  }
+
+ private:
+  Place place_;
+  double unit_, from_s_ = 0.0, h_ = 1.0;
+  std::optional<dp::Dense> dense_;
+};
+
+ValueMotion::Place ValueMotion::place(double t_s, const Place& before) const {
+  const double room_s = end_room_s(last_s_ - first_s_);
+  if (!(t_s >= first_s_ - room_s && t_s <= last_s_ + room_s)) {
+    throw InputError(
+        fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_, last_s_, t_s));
+  }
+  const double away_s = std::abs(t_s);
+  // Beyond an end at t = 0 the other way's motion goes on.
+  const bool is_forward = t_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
+  const Path& path = is_forward ? forward_ : backward_;
+  if (before.leg != nullptr && before.leg >= path.data() && before.leg < path.data() + path.size()) {
+    const std::vector<Node>& nodes = before.leg->nodes;
+    for (std::size_t i = before.step; i + 1 < nodes.size() && i < before.step + 4; ++i) {
+      if (std::abs(nodes[i].t_s) <= away_s && away_s < std::abs(nodes[i + 1].t_s)) return {before.leg, i};
+    }
+  }
+  const Leg& leg =
+      *std::find_if(path.begin(), path.end() - 1, [&](const Leg& l) { return away_s < std::abs(l.nodes.back().t_s); });
+  const auto after = std::upper_bound(leg.nodes.begin(), leg.nodes.end(), away_s,
+                                      [](double t, const Node& node) { return t < std::abs(node.t_s); });
+  const std::ptrdiff_t last = std::max<std::ptrdiff_t>(std::ssize(leg.nodes) - 2, 0);
+  return {&leg, static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(after - leg.nodes.begin() - 1, 0, last))};
+}
+
+State ValueMotion::at(double t_high_s, double t_low_s) const {
+  if (std::isnan(t_high_s + t_low_s)) return nan_state();
+  return Step(moments_, place(t_high_s, {})).at(t_high_s, t_low_s);
+}
+
+void ValueMotion::batch(const TimeArrays& times, const StateArrays& out) const {
+  check_lengths(times);
+  std::optional<Step> step;
+  for (std::size_t i = 0; i < times.high.size(); ++i) {
+    const double t_high_s = times.high[i], t_low_s = times.low.empty() ? 0.0 : times.low[i];
+    if (std::isnan(t_high_s + t_low_s)) {
+      out.put(i, nan_state());
+      continue;
+    }
+    const Place here = place(t_high_s, step ? step->place() : Place{});
+    if (!step || !(step->place() == here)) step.emplace(moments_, here);
+    out.put(i, step->at(t_high_s, t_low_s));
+  }
+}
+
+}  // namespace polhode

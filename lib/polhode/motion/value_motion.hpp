@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "polhode/motion/motion.hpp"
+#include "polhode/torque/torques.hpp"
+#include "polhode/torque/trajectory_pieces.hpp"
+
+namespace polhode {
+
+/// The motion of a rigid body under torques of which nothing but values is known (facets in sunlight, say), by steps of
+/// Dormand and Prince's method of order 8 (dormand_prince.hpp), from t = 0 both ways. Unknowns are the angular momentum
+/// in inertial axes and the attitude, and where the torques are small beside the inertia forces what takes the place of
+/// the energy, to which the attitude is set after every step: slow ones, so that errors of a step add up in the phase,
+/// but not in the rate.
+///
+/// Every run chooses its steps by the estimate of their error. The span is run again with finer steps, from a start a
+/// rounding aside, until two runs agree well enough: error_rad() is what their difference leaves to fear of the finer
+/// one, which is kept (value_motion.cpp has the figures). Where the torques have kinks (Torques::smooth()), at which no
+/// order of a method holds, error_rad() is four times the difference.
+class ValueMotion final : public Motion {
+ public:
+  struct Options {
+    double tolerance_rad = 1e-9;  ///< wanted
+    double first_s = 0.0, last_s = 0.0;
+    std::size_t most_evaluations = 100'000'000;  ///< of torques, of all runs together
+  };
+  /// Torques in principal axes.
+  ValueMotion(const FreeBody& body, const Torques& torques, const Options& options);
+
+  /// Throws InputError for a time beyond what was propagated by more than end_room_s(); NaN gives NaN.
+  State at(double t_high_s, double t_low_s = 0.0) const override;
+  /// Where times ascend, or several lie in a step, much faster than one by one; the same bits.
+  void batch(const TimeArrays& times, const StateArrays& out) const override;
+
+  bool whole() const { return whole_; }  ///< false: the limit of evaluations ended it
+  double error_rad() const { return error_rad_; }  ///< infinite if nothing is known of it
+  double first_s() const { return first_s_; }      ///< reached
+  double last_s() const { return last_s_; }        ///< reached
+  std::size_t steps() const;
+  std::size_t evaluations() const { return evaluations_; }            ///< of all runs
+  std::size_t kept_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
+
+ private:
+  struct Node {
+    double t_s;
+    double momentum_inertial[3];
+    double q[4];  // x, y, z, w
+  };
+  /// Between two jumps of the torques, away from t = 0.
+  struct Leg {
+    Torques torques;
+    std::vector<TrajectoryPieces> ways;  // of torques.trajectories()
+    std::vector<Node> nodes;
+  };
+  using Path = std::vector<Leg>;  // one direction
+  class Rates;
+  class Builder;
+  struct Place {
+    const Leg* leg = nullptr;
+    std::size_t step = 0;
+    bool operator==(const Place&) const = default;
+  };
+  class Step;
+  Place place(double t_s, const Place& before) const;
+
+  Vector3 moments_;
+  Path forward_, backward_;
+  double first_s_ = 0.0, last_s_ = 0.0;
+  bool whole_ = true;
+  double error_rad_ = 0.0;
+  std::size_t evaluations_ = 0, kept_evaluations_ = 0;
+};
+
+}  // namespace polhode
