@@ -32,6 +32,7 @@ struct Tuning {
   static constexpr double aside = 2e-16;
   static constexpr double aim = 0.5;
   static constexpr int most_runs = 7;
+  static constexpr double first_turn_rad = 0.1;
   static constexpr double longest_turn_rad = 2.5;    // of a step
   static constexpr double time_scale_share = 0.7;    // of a step in r/v: an encounter is never stepped over
   static constexpr double rounding = 1.5e-15;       // of a rate, in the estimated error
@@ -134,6 +135,10 @@ class ValueMotion::Builder {
  public:
   Builder(const FreeBody& body, const Torques& torques, const Options& options)
       : body_(body), torques_(torques), options_(options) {
+    // What a smooth torque takes, roughly: whether it pays to make polynomials of trajectories.
+    const double steps_per_rad = 0.7 * std::pow(1e-3 / std::min(options.tolerance_rad, 1e-3), 0.125);
+    const double rate_rad_s = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
+    const double evaluations_per_s = 2.0 * dp::kStages * rate_rad_s * steps_per_rad;
     for (const bool forward : {true, false}) {
       const double end_s = forward ? options.last_s : options.first_s;
       std::vector<double> ends_s;
@@ -146,7 +151,9 @@ class ValueMotion::Builder {
       for (const double to_s : ends_s) {
         Leg leg{torques.during(0.5 * (from_s + to_s)), {}, {{from_s, {}, {}}, {to_s, {}, {}}}};
         for (const Trajectory& way : leg.torques.trajectories()) {
-          leg.ways.emplace_back(way, std::min(from_s, to_s), std::max(from_s, to_s));
+          const double most = std::min(0.5 * evaluations_per_s * std::abs(to_s - from_s) / TrajectoryPieces::kCost, 5e4);
+          leg.ways.emplace_back(way, std::min(from_s, to_s), std::max(from_s, to_s), static_cast<std::size_t>(most));
+          if (std::getenv("VM")) fmt::print("pieces {}\n", leg.ways.back().pieces());
         }
         (forward ? forward_ : backward_).push_back(std::move(leg));
         from_s = to_s;
@@ -157,7 +164,10 @@ class ValueMotion::Builder {
   /// Runs both ways with steps whose estimated errors add up to `sum_rad`, and compares with the paths of another run,
   /// if there are any. False if the limit of evaluations ended it.
   bool run(double sum_rad, const Path* other_forward, const Path* other_backward, Path& forward, Path& backward) {
+    // Limits of steps, too, get finer: or runs with the same steps would agree, whatever their errors.
+    if (other_forward != nullptr) longest_ *= std::pow(sum_rad / sum_rad_, 1.0 / 7.0);
     sum_rad_ = sum_rad;
+    steps_ = steps_at_rounding_ = 0;
     aside_ = !aside_;
     difference_rad_ = dense_error_rad_ = 0.0;
     forward = forward_, backward = backward_;
@@ -171,6 +181,8 @@ class ValueMotion::Builder {
 
   double difference_rad() const { return difference_rad_; }    ///< of the last run and the one it was compared with
   double dense_error_rad() const { return dense_error_rad_; }  ///< of the last run between the ends of steps
+  /// Whether rounding kept many steps of the last run from being as fine as they should.
+  bool at_rounding() const { return 10 * steps_at_rounding_ > steps_; }
   std::size_t evaluations() const { return evaluations_; }
 
  private:
@@ -241,6 +253,8 @@ class ValueMotion::Builder {
     if (rates.choose_energy(m)) set_energy(rates, m, y, low);
     k[0] = rates(t_s, y);
     const std::size_t before = evaluations_;
+    std::size_t next_check = 3;
+    double longest_turn_rad = 0.0;
     bool whole = true;
     while (t_s != leg_end_s) {
       evaluations_ = before + rates.evaluations();
@@ -255,9 +269,10 @@ class ValueMotion::Builder {
       const bool has_energy = torque < Tuning::small_torque * m.norm() * omega.norm();
 
       const double stop_s = meetings.next_s(leg_end_s), remaining_s = std::abs(stop_s - t_s);
-      double length_s = std::min(wanted_s, Tuning::time_scale_share * rates.time_scale_s());
+      double length_s = std::min(wanted_s, longest_ * Tuning::time_scale_share * rates.time_scale_s());
       if (rate_rad_s > 0.0) {
-        length_s = std::min(length_s, (leg.nodes.size() == 1 ? 0.1 : Tuning::longest_turn_rad) / rate_rad_s);
+        const double turn_rad = leg.nodes.size() == 1 ? Tuning::first_turn_rad : longest_ * Tuning::longest_turn_rad;
+        length_s = std::min(length_s, turn_rad / rate_rad_s);
       }
       const double free_s = length_s;
       if (length_s > 0.999 * remaining_s) {
@@ -283,6 +298,8 @@ class ValueMotion::Builder {
       const double error = dp::error(h, k, weights);
       const double rounding = Tuning::rounding * (rate_rad_s + torque * per_momentum);
       const double allowed = std::max(sum_rad_ / std::abs(end_s), rounding) * std::abs(h);
+      steps_at_rounding_ += rounding * std::abs(end_s) > sum_rad_;
+      ++steps_;
       const bool good = error <= allowed;
       const double factor =
           !std::isfinite(error) ? 0.1 : 0.9 * std::pow(allowed / std::max(error, 1e-300), 1.0 / 7.0);
@@ -293,12 +310,21 @@ class ValueMotion::Builder {
       const Unknowns start = y;
       add(dp::increment(h, k), y, low);
       k[dp::kStages] = rates(to_s, y);
-      if (leg.nodes.size() % (leg.nodes.size() < 32 ? 8 : 32) == 3) check_dense(rates, t_s, start, h, k);
+      // Of a longer one of the steps, now and then.
+      const double turn_rad = rate_rad_s * std::abs(h);
+      longest_turn_rad = std::max(turn_rad, 0.99 * longest_turn_rad);
+      if (leg.nodes.size() >= next_check && turn_rad > 0.9 * longest_turn_rad) {
+        check_dense(rates, t_s, start, h, k);
+        next_check = leg.nodes.size() + (leg.nodes.size() < 32 ? 8 : 32);
+      }
       t_s = to_s;
       k[0] = k[dp::kStages];
       settle(rates, has_energy, y, low, m);
       leg.nodes.push_back(node(t_s, y));
-      if (rates.choose_energy(m)) set_energy(rates, m, y, low);
+      if (rates.choose_energy(m)) {
+        set_energy(rates, m, y, low);
+        k[0] = rates(t_s, y);
+      }
       if (others != nullptr && t_s == stop_s) {
         const Eigen::Quaterniond there(Eigen::Map<const Eigen::Vector4d>((*others)[meetings.next].q));
         const double angle = rotation_angle_rad(there.normalized(), attitude(y).normalized());
@@ -351,8 +377,8 @@ class ValueMotion::Builder {
 
   /// The continuous extension beside a shorter step.
   void check_dense(const Rates& rates, double t_s, const Unknowns& y, double h, Unknowns* k) {
-    constexpr double part = 0.4;
     dp::stages<dp::kStages + 1, dp::kStagesOfAll>(rates, t_s, y, h, k);
+    constexpr double part = 0.8;  // near which the difference is largest
     const Unknowns dense = dp::Dense(y, h, k).at(part);
     Unknowns shorter[dp::kStages];
     shorter[0] = k[0];
@@ -365,7 +391,8 @@ class ValueMotion::Builder {
   const FreeBody& body_;
   Torques torques_;
   const Options& options_;
-  double sum_rad_ = 0.0;
+  double sum_rad_ = 0.0, longest_ = 1.0;
+  std::size_t steps_ = 0, steps_at_rounding_ = 0;
   bool aside_ = true;
   Path forward_, backward_;  // legs with their two ends as nodes
   double difference_rad_ = 0.0, dense_error_rad_ = 0.0;
@@ -398,7 +425,9 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
     // the runs before have shown it; and never by more than rounding lets it.
     const double expected_gain = std::pow(finer, -Tuning::power);
     const bool as_known = before_rad < Tuning::comparable_rad && before_rad > 0.5 * gain_before * difference;
-    const double gain = as_known ? expected_gain : std::min(expected_gain, Tuning::most_gain);
+    const double gain = builder.at_rounding() ? 2.0
+                        : as_known            ? expected_gain
+                                              : std::min(expected_gain, Tuning::most_gain);
     const double rounding = Tuning::rounding_of_run * std::sqrt(static_cast<double>(steps())) / (sum_rad / finer);
     gain_before = expected_gain;
     double claim = torques.smooth() ? Tuning::safety * (1.0 / (gain - 1.0) + rounding) * difference
