@@ -26,16 +26,19 @@ struct Tuning {
   static constexpr double power = 8.0 / 7.0;    // of these, by which the errors of a run fall
   static constexpr double safety = 3.0;         // of what the difference of two runs says by that power
   static constexpr double with_kinks = 4.0;     // claimed of the difference
-  static constexpr double most_gain = 14.0;     // of a finer run, if nothing says that the power holds
-  static constexpr double rounding_of_run = 3e-15;  // of a step, beside estimated errors
+  static constexpr double usual_gain = 14.0;    // of the second run, and of others if nothing says that the power holds
+  static constexpr double gain_at_rounding = 2.0;
+  static constexpr double aside = 3e-16;                  // of the start of some runs
+  static constexpr double rounding_of_rate = 1e-15;       // of the phase
+  static constexpr double rounding_matters_rad = 1e-9;
+  static constexpr double most_rounding_rad = 2e-7;    // of bodies of which anything can be known
   static constexpr double comparable_rad = 1e-2;  // runs that differ by more say nothing of each other
-  static constexpr double aside = 2e-16;
   static constexpr double aim = 0.5;
   static constexpr int most_runs = 7;
   static constexpr double first_turn_rad = 0.1;
   static constexpr double longest_turn_rad = 2.5;    // of a step
   static constexpr double time_scale_share = 0.7;    // of a step in r/v: an encounter is never stepped over
-  static constexpr double rounding = 1.5e-15;       // of a rate, in the estimated error
+  static constexpr double rounding_of_estimate = 1.5e-15;  // of an error, in turns
   static constexpr double small_torque = 0.1;        // beside m x omega
   static constexpr std::size_t steps_between_comparisons = 8, most_comparisons = 200;
 };
@@ -134,7 +137,7 @@ class ValueMotion::Rates {
 class ValueMotion::Builder {
  public:
   Builder(const FreeBody& body, const Torques& torques, const Options& options)
-      : body_(body), torques_(torques), options_(options) {
+      : body_(body), options_(options), evaluations_for_tables_(torques.evaluations_for_tables()) {
     // What a smooth torque takes, roughly: whether it pays to make polynomials of trajectories.
     const double steps_per_rad = 0.7 * std::pow(1e-3 / std::min(options.tolerance_rad, 1e-3), 0.125);
     const double rate_rad_s = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
@@ -164,11 +167,12 @@ class ValueMotion::Builder {
   /// Runs both ways with steps whose estimated errors add up to `sum_rad`, and compares with the paths of another run,
   /// if there are any. False if the limit of evaluations ended it.
   bool run(double sum_rad, const Path* other_forward, const Path* other_backward, Path& forward, Path& backward) {
+    aside_ = other_forward == nullptr ? Tuning::aside : 0.0;
     // Limits of steps, too, get finer: or runs with the same steps would agree, whatever their errors.
     if (other_forward != nullptr) longest_ *= std::pow(sum_rad / sum_rad_, 1.0 / 7.0);
     sum_rad_ = sum_rad;
     steps_ = steps_at_rounding_ = 0;
-    aside_ = !aside_;
+    phase_rad_ = 0.0;
     difference_rad_ = dense_error_rad_ = 0.0;
     forward = forward_, backward = backward_;
     if (run(forward, other_forward)) return run(backward, other_backward);
@@ -179,8 +183,22 @@ class ValueMotion::Builder {
     return false;
   }
 
+  /// Does the steps of these paths again, from a start a rounding aside; false as above.
+  bool repeat(const Path& forward, const Path& backward) {
+    aside_ = Tuning::aside;
+    repeats_ = true;
+    difference_rad_ = 0.0;
+    Path again = forward_;
+    bool whole = run(again, &forward);
+    again = backward_;
+    whole = whole && run(again, &backward);
+    repeats_ = false;
+    return whole;
+  }
+
   double difference_rad() const { return difference_rad_; }    ///< of the last run and the one it was compared with
   double dense_error_rad() const { return dense_error_rad_; }  ///< of the last run between the ends of steps
+  double phase_rad() const { return phase_rad_; }              ///< turned in the last run
   /// Whether rounding kept many steps of the last run from being as fine as they should.
   bool at_rounding() const { return 10 * steps_at_rounding_ > steps_; }
   std::size_t evaluations() const { return evaluations_; }
@@ -192,11 +210,9 @@ class ValueMotion::Builder {
     const Vector3Of<long double> m = q * Vector3Of<long double>(body_.momentum_body.cast<long double>() * per_unit);
     Eigen::Array<long double, 8, 1> exact;
     exact << m.array(), 0.0L, q.coeffs().array();
-    if (aside_) {
-      const long double axes[4] = {1.0L, -1.0L, 0.5L, -0.5L};
-      for (int i = 0; i < 4; ++i) exact[4 + i] += static_cast<long double>(Tuning::aside) * axes[i];
-      exact.head<3>() *= 1.0L + static_cast<long double>(Tuning::aside);
-    }
+    const long double axes[4] = {1.0L, -1.0L, 0.5L, -0.5L};
+    for (int i = 0; i < 4; ++i) exact[4 + i] += aside_ * axes[i];
+    exact.head<3>() *= 1.0L + aside_;
     y = exact.cast<double>();
     low = (exact - y.cast<long double>()).cast<double>();
   }
@@ -218,6 +234,7 @@ class ValueMotion::Builder {
     double wanted_s = std::abs(end_s);
     for (std::size_t l = 0; l < path.size(); ++l) {
       Leg& leg = path[l];
+      if (tabulated_) leg.torques = leg.torques.with_tables();
       const double leg_end_s = leg.nodes.back().t_s;
       leg.nodes.assign(1, node(leg.nodes.front().t_s, y));
       const std::vector<Node>* others = other == nullptr ? nullptr : &(*other)[l].nodes;
@@ -231,11 +248,13 @@ class ValueMotion::Builder {
     const std::vector<Node>* nodes;
     std::size_t every = 1, next = 0;
 
-    Meetings(const std::vector<Node>* others) : nodes(others) {
+    Meetings(const std::vector<Node>* others, bool is_repeated) : nodes(others) {
       if (nodes == nullptr) return;
       const std::size_t steps = nodes->size() - 1;
-      every = std::max(std::min(Tuning::steps_between_comparisons, steps / 8), steps / Tuning::most_comparisons);
-      every = std::max<std::size_t>(every, 1);
+      if (!is_repeated) {
+        every = std::max(std::min(Tuning::steps_between_comparisons, steps / 8), steps / Tuning::most_comparisons);
+        every = std::max<std::size_t>(every, 1);
+      }
       advance();
     }
     void advance() { next = std::min(next + every, nodes->size() - 1); }
@@ -247,7 +266,7 @@ class ValueMotion::Builder {
     double t_s = leg.nodes.front().t_s;
     if (t_s == leg_end_s) return true;
     Rates rates(body_.principal_moments, leg);
-    Meetings meetings(others);
+    Meetings meetings(others, repeats_);
     Unknowns k[dp::kStagesOfAll];
     Vector3 m = momentum(y);
     if (rates.choose_energy(m)) set_energy(rates, m, y, low);
@@ -258,6 +277,7 @@ class ValueMotion::Builder {
     bool whole = true;
     while (t_s != leg_end_s) {
       evaluations_ = before + rates.evaluations();
+      if (!tabulated_ && static_cast<double>(evaluations_) > evaluations_for_tables_) tabulate(leg);
       if (evaluations_ >= options_.most_evaluations) {
         whole = false;
         break;
@@ -280,6 +300,7 @@ class ValueMotion::Builder {
       } else if (length_s > 0.5 * remaining_s) {
         length_s = 0.5 * remaining_s;  // no sliver at the end
       }
+      if (repeats_) length_s = remaining_s;
       const double to_s = length_s == remaining_s ? stop_s : t_s + std::copysign(length_s, stop_s - t_s);
       const double h = to_s - t_s;
       if (!(std::abs(h) > 4e-16 * std::abs(t_s))) {
@@ -296,11 +317,12 @@ class ValueMotion::Builder {
       weights << per_momentum, per_momentum, per_momentum, has_energy ? per_momentum * per_momentum / growth : 0.0, 2.0,
           2.0, 2.0, 2.0;
       const double error = dp::error(h, k, weights);
-      const double rounding = Tuning::rounding * (rate_rad_s + torque * per_momentum);
+      const double rounding = Tuning::rounding_of_estimate * (rate_rad_s + torque * per_momentum);
       const double allowed = std::max(sum_rad_ / std::abs(end_s), rounding) * std::abs(h);
+      phase_rad_ += rate_rad_s * std::abs(h);
       steps_at_rounding_ += rounding * std::abs(end_s) > sum_rad_;
       ++steps_;
-      const bool good = error <= allowed;
+      const bool good = error <= allowed || repeats_;
       const double factor =
           !std::isfinite(error) ? 0.1 : 0.9 * std::pow(allowed / std::max(error, 1e-300), 1.0 / 7.0);
       wanted_s = std::abs(h) * std::clamp(factor, 0.1, good ? 4.0 : 0.9);
@@ -313,7 +335,7 @@ class ValueMotion::Builder {
       // Of a longer one of the steps, now and then.
       const double turn_rad = rate_rad_s * std::abs(h);
       longest_turn_rad = std::max(turn_rad, 0.99 * longest_turn_rad);
-      if (leg.nodes.size() >= next_check && turn_rad > 0.9 * longest_turn_rad) {
+      if (!repeats_ && leg.nodes.size() >= next_check && turn_rad > 0.9 * longest_turn_rad) {
         check_dense(rates, t_s, start, h, k);
         next_check = leg.nodes.size() + (leg.nodes.size() < 32 ? 8 : 32);
       }
@@ -334,6 +356,12 @@ class ValueMotion::Builder {
     }
     evaluations_ = before + rates.evaluations();
     return whole;
+  }
+
+  /// From here on the torques are by their tables. These give the same values.
+  void tabulate(Leg& leg) {
+    tabulated_ = true;
+    leg.torques = leg.torques.with_tables();
   }
 
   static Vector3 momentum(const Unknowns& y) { return Rates::rotation(y).transpose() * y.head<3>().matrix(); }
@@ -389,11 +417,13 @@ class ValueMotion::Builder {
   }
 
   const FreeBody& body_;
-  Torques torques_;
   const Options& options_;
-  double sum_rad_ = 0.0, longest_ = 1.0;
+  double sum_rad_ = 0.0, longest_ = 1.0, phase_rad_ = 0.0;
   std::size_t steps_ = 0, steps_at_rounding_ = 0;
-  bool aside_ = true;
+  double aside_ = 0.0;
+  bool repeats_ = false;
+  double evaluations_for_tables_;
+  bool tabulated_ = false;
   Path forward_, backward_;  // legs with their two ends as nodes
   double difference_rad_ = 0.0, dense_error_rad_ = 0.0;
   std::size_t evaluations_ = 0;
@@ -410,7 +440,8 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
   double sum_rad = Tuning::first_run * options.tolerance_rad;
   whole_ = builder.run(sum_rad, nullptr, nullptr, forward_, backward_);
   kept_evaluations_ = builder.evaluations();
-  double before_rad = error_rad_, finer = Tuning::finer, gain_before = 0.0;
+  double before_rad = error_rad_, finer = Tuning::finer, gain_before = 0.0, rounding_rad = 0.0;
+  bool rounding_is_known = false;
   int poor = 0;
   for (int i = 1; whole_ && i < Tuning::most_runs; ++i) {
     Path forward, backward;
@@ -420,24 +451,33 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
     sum_rad *= finer;
     kept_evaluations_ = builder.evaluations() - before;
     forward_ = std::move(forward), backward_ = std::move(backward);
-    const double difference = builder.difference_rad();
-    // By how much the finer run is better than the coarser one: by the known power, but by no more than tenfold unless
-    // the runs before have shown it; and never by more than rounding lets it.
+    const double difference = builder.difference_rad(), dense_error = builder.dense_error_rad();
+    // By how much the finer run is better than the coarser one: by the known power, but by no more than usual unless the
+    // runs before have shown it.
     const double expected_gain = std::pow(finer, -Tuning::power);
     const bool as_known = before_rad < Tuning::comparable_rad && before_rad > 0.5 * gain_before * difference;
-    const double gain = builder.at_rounding() ? 2.0
-                        : as_known            ? expected_gain
-                                              : std::min(expected_gain, Tuning::most_gain);
-    const double rounding = Tuning::rounding_of_run * std::sqrt(static_cast<double>(steps())) / (sum_rad / finer);
+    double gain = as_known ? expected_gain : std::min(expected_gain, Tuning::usual_gain);
+    if (builder.at_rounding()) gain = Tuning::gain_at_rounding;
     gain_before = expected_gain;
-    double claim = torques.smooth() ? Tuning::safety * (1.0 / (gain - 1.0) + rounding) * difference
-                                    : Tuning::with_kinks * difference;
-    claim += 2.0 * builder.dense_error_rad();
+    double claim = (torques.smooth() ? Tuning::safety / (gain - 1.0) : Tuning::with_kinks) * difference;
+    // Rounding is not made less by finer steps. Where it may matter, the same steps are done once more from a start aside.
+    claim += Tuning::rounding_of_rate * builder.phase_rad();
+    if (i == 1) rounding_rad = std::min(difference / Tuning::usual_gain, Tuning::most_rounding_rad);
+    const bool matters = rounding_rad > 0.1 * options.tolerance_rad;
+    if (!rounding_is_known && matters && (i > 1 || options.tolerance_rad < Tuning::rounding_matters_rad)) {
+      whole_ = builder.repeat(forward_, backward_);
+      if (!whole_) break;
+      rounding_rad = Tuning::safety * builder.difference_rad();
+      rounding_is_known = true;
+      if (std::getenv("VM")) fmt::print("  rounding {}\n", rounding_rad);
+    }
+    if (rounding_is_known) claim += rounding_rad;
+    claim += 2.0 * dense_error;
     error_rad_ = difference < Tuning::comparable_rad ? claim : std::max(claim, difference);
-    if (std::getenv("VM")) fmt::print("  run {} sum {:.1e} diff {:.2e} dense {:.2e} claim {:.2e} evals {}\n", i, sum_rad, difference, builder.dense_error_rad(), error_rad_, kept_evaluations_);
+    if (std::getenv("VM")) fmt::print("  run {} sum {:.1e} diff {:.2e} dense {:.2e} claim {:.2e} evals {}\n", i, sum_rad, difference, dense_error, error_rad_, kept_evaluations_);
     if (difference < Tuning::comparable_rad && error_rad_ <= options.tolerance_rad) break;
     poor += difference < 0.1 && !(difference < 0.5 * before_rad);
-    if (poor >= 2) break;
+    if (poor >= 2 || (rounding_is_known && rounding_rad > options.tolerance_rad)) break;
     before_rad = difference;
     // The difference was that of the coarser run: the finer one is better already.
     const double expected = claim / (torques.smooth() ? 1.0 : Tuning::with_kinks);

@@ -3,6 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <mutex>
 
 #include "polhode/base/error.hpp"
 
@@ -13,7 +19,26 @@ constexpr double kSolarConstant_w_m2 = 1361.0;  // total solar irradiance at 1 a
 constexpr double kAstronomicalUnit_m = 149597870700.0;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
+constexpr double kNormalsPerDouble = 0x1p40;  // normals that agree so far are one
+constexpr std::size_t kFewNormals = 40;       // whose sum costs no more than a table
+
 }  // namespace
+
+struct Sunlight::Facets {
+  Facets(std::vector<SunlitNormal> all, Surface surface)
+      : normals(std::move(all)), shares{surface.specular, surface.diffuse}, sum(normals, shares) {}
+
+  const SunlightTable& table() const {
+    std::call_once(table_is_made, [this] { made_table = std::make_unique<const SunlightTable>(normals, shares); });
+    return *made_table;
+  }
+
+  std::vector<SunlitNormal> normals;
+  SunlightTable::Shares shares;
+  SunlitSum sum;
+  mutable std::once_flag table_is_made;
+  mutable std::unique_ptr<const SunlightTable> made_table;
+};
 
 Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
     : trajectory(std::move(way)), surface_(surface) {
@@ -26,41 +51,60 @@ Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     if (!mesh.vertices[i].allFinite()) throw InputError(fmt::format("corner {} of the mesh is not finite", i + 1));
   }
-  std::vector<Facet> facets;
-  facets.reserve(mesh.facets.size());
-  for (const auto& corners : mesh.facets) {
+  std::vector<SunlitNormal> normals;
+  std::map<std::array<std::int64_t, 3>, std::size_t> place;
+  for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
+    const auto& corners = mesh.facets[i];
     if (std::max({corners[0], corners[1], corners[2]}) >= mesh.vertices.size()) {
-      throw InputError(fmt::format("facet {} has the corners {}, {}, {}, the mesh has {} (counted from 0)",
-                                   facets.size() + 1, corners[0], corners[1], corners[2], mesh.vertices.size()));
+      throw InputError(fmt::format("facet {} has the corners {}, {}, {}, the mesh has {} (counted from 0)", i + 1,
+                                   corners[0], corners[1], corners[2], mesh.vertices.size()));
     }
     const Vector3 &a = mesh.vertices[corners[0]], &b = mesh.vertices[corners[1]], &c = mesh.vertices[corners[2]];
-    facets.push_back({0.5 * (b - a).cross(c - a), (a + b + c) / 3.0});
-    largest_moment_m3_ += facets.back().area_m2.norm() * facets.back().centre_m.norm();
+    const Vector3 area_m2 = 0.5 * (b - a).cross(c - a), centre_m = (a + b + c) / 3.0;
+    const double size_m2 = area_m2.norm();
+    if (!(size_m2 > 0.0)) continue;
+    const Vector3 normal = area_m2 / size_m2;
+    std::array<std::int64_t, 3> key{};
+    for (int k = 0; k < 3; ++k) key[static_cast<std::size_t>(k)] = std::llround(normal[k] * kNormalsPerDouble);
+    const auto [at, is_new] = place.emplace(key, normals.size());
+    if (is_new) normals.push_back({normal, Vector3::Zero(), Vector3::Zero()});
+    normals[at->second].moment_m3 += size_m2 * centre_m;
+    largest_moment_m3_ += size_m2 * centre_m.norm();
   }
-  facets_ = std::make_shared<const std::vector<Facet>>(std::move(facets));
+  for (SunlitNormal& one : normals) one.normal_moment_m3 = one.moment_m3.cross(one.normal);
+  facets_ = std::make_shared<const Facets>(std::move(normals), surface);
 }
 
+std::size_t Sunlight::normals() const { return facets_->normals.size(); }
+
 Sunlight Sunlight::turned(const Matrix3& to_from) const {
-  std::vector<Facet> facets = *facets_;
-  for (Facet& facet : facets) facet = {to_from * facet.area_m2, to_from * facet.centre_m};
+  std::vector<SunlitNormal> normals = facets_->normals;
+  for (SunlitNormal& one : normals) {
+    one = {to_from * one.normal, to_from * one.moment_m3, to_from * one.normal_moment_m3};
+  }
   Sunlight other = *this;
-  other.facets_ = std::make_shared<const std::vector<Facet>>(std::move(facets));
+  other.facets_ = std::make_shared<const Facets>(std::move(normals), surface_);
+  other.with_table_ = false;
   return other;
+}
+
+Sunlight Sunlight::with_table() const {
+  Sunlight other = *this;
+  other.with_table_ = true;
+  facets_->table();
+  return other;
+}
+
+double Sunlight::evaluations_for_table() const {
+  if (normals() <= kFewNormals || with_table_) return std::numeric_limits<double>::infinity();
+  return SunlightTable::cost(normals());
 }
 
 Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
   const double r2 = to_sun_body_m.squaredNorm();
   const Vector3 s = to_sun_body_m / std::sqrt(r2);
-  Vector3 sum = Vector3::Zero();
-  for (const Facet& facet : *facets_) {
-    const double lit_m2 = facet.area_m2.dot(s);
-    if (!(lit_m2 > 0.0)) continue;
-    const double area_m2 = facet.area_m2.norm(), cosine = lit_m2 / area_m2;
-    const Vector3 n = facet.area_m2 / area_m2;
-    sum -= lit_m2 * facet.centre_m.cross((1.0 - surface_.specular) * s +
-                                         (2.0 * surface_.specular * cosine + 2.0 / 3.0 * surface_.diffuse) * n);
-  }
-  return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * sum;
+  const Vector3 torque_m3 = with_table_ ? facets_->table().torque_m3(s) : facets_->sum.torque_m3(s);
+  return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * torque_m3;
 }
 
 double Sunlight::largest(double t_s, const Vector3& /*moments*/, double /*momentum*/) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polhode/body/mesh_inertia.hpp"
+#include "polhode/torque/sunlight_table.hpp"
 #include "polhode/torque/trajectory.hpp"
 
 namespace polhode {
@@ -52,19 +53,25 @@ class Sunlight {
   void check() const {}  // nothing is left for it: see the constructor
   Sunlight turned(const Matrix3& to_from) const;
 
-  /// N m, in the axes of the facets; `to_sun_body_m` is the vector from the body to the Sun, not 0.
+  /// N m, in the axes of the facets (those with the same normal within 1e-12 are taken together); `to_sun_body_m` is the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const;
 
   double largest(double t_s, const Vector3& moments, double momentum) const;
-  double cost_of_evaluation() const { return static_cast<double>(facets_->size()) / 50.0; }
+  double cost_of_evaluation() const { return with_table_ ? 1.0 : static_cast<double>(normals()) / 50.0; }
+
+  /// The same by a table of the Sun's direction, which is made when it is first asked for and shared by all copies.
+  Sunlight with_table() const;
+  /// After how many evaluations the table has paid for itself; infinite if the facets are few.
+  double evaluations_for_table() const;
+  bool has_table() const { return with_table_; }
 
   Trajectory trajectory;  ///< of the body, from the Sun
 
  private:
-  struct Facet {
-    Vector3 area_m2, centre_m;  // area times normal
-  };
-  std::shared_ptr<const std::vector<Facet>> facets_;
+  struct Facets;
+  std::size_t normals() const;
+  std::shared_ptr<const Facets> facets_;
+  bool with_table_ = false;
   double largest_moment_m3_ = 0.0;  // sum over the facets of area times distance
   Surface surface_;
 };

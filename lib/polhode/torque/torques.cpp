@@ -163,6 +163,32 @@ double Torques::cost_of_evaluation() const {
   return cost;
 }
 
+Torques Torques::with_tables() const {
+  Torques tabulated = *this;
+  for (Torque& torque : tabulated.torques_) {
+    std::visit(
+        [](auto& one) {
+          if constexpr (requires { one.with_table(); }) {
+            if (std::isfinite(one.evaluations_for_table())) one = one.with_table();
+          }
+        },
+        torque);
+  }
+  return tabulated;
+}
+
+double Torques::evaluations_for_tables() const {
+  double count = std::numeric_limits<double>::infinity();
+  for (const Torque& torque : torques_) {
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (requires { one.with_table(); }) count = std::min(count, one.evaluations_for_table());
+        },
+        torque);
+  }
+  return count;
+}
+
 std::vector<Torques::Pull> Torques::pulls() const {
   std::vector<Pull> pulls;
   for (std::size_t i = 0; i < torques_.size(); ++i) {

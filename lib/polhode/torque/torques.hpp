@@ -149,6 +149,10 @@ class Torques {
   /// What one evaluation costs, in evaluations of a gravity gradient, roughly.
   double cost_of_evaluation() const;
 
+  /// The same torques, those that have tables by them (Sunlight::with_table()), and after how many evaluations it pays.
+  Torques with_tables() const;
+  double evaluations_for_tables() const;
+
   bool empty() const { return torques_.empty(); }
   const std::vector<Trajectory>& trajectories() const { return trajectories_; }  ///< different ones
   const std::vector<Torque>& list() const { return torques_; }

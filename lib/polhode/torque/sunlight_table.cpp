@@ -1,0 +1,171 @@
+#include "polhode/torque/sunlight_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace polhode {
+namespace {
+
+constexpr double kMargin = 1e-14;  // of n . s at the edge of a cell: roundings do not decide
+
+/// The face's own direction, and those of its two coordinates.
+struct Face {
+  int axis, u, v;
+  double sign;
+};
+constexpr Face face_of(int i) { return {i / 2, (i / 2 + 1) % 3, (i / 2 + 2) % 3, i % 2 == 0 ? 1.0 : -1.0}; }
+
+void add_to(std::array<double, 27>& c, const SunlitNormal& one, SunlightTable::Shares shares) {
+  // -(n . s) (a X x s + (b (n . s) + d) X x n)
+  const double a = 1.0 - shares.specular, b = 2.0 * shares.specular, d = 2.0 / 3.0 * shares.diffuse;
+  const Vector3 &n = one.normal, &X = one.moment_m3, &P = one.normal_moment_m3;
+  for (int k = 0; k < 3; ++k) {
+    double* row = &c[static_cast<std::size_t>(9 * k)];
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    // (X x s)_k = X_i s_j - X_j s_i
+    double cross[3] = {0.0, 0.0, 0.0};
+    cross[j] = a * X[i], cross[i] = -a * X[j];
+    for (int p = 0; p < 3; ++p) row[p] -= d * P[k] * n[p];
+    for (int p = 0; p < 3; ++p) row[3 + p] -= n[p] * (cross[p] + b * P[k] * n[p]);
+    for (int p = 0; p < 3; ++p) {
+      const int q = (p + 1) % 3;
+      row[6 + p] -= n[p] * cross[q] + n[q] * cross[p] + 2.0 * b * P[k] * n[p] * n[q];
+    }
+  }
+}
+
+}  // namespace
+
+std::size_t SunlightTable::cells_along(std::size_t normals) {
+  std::size_t along = 4;
+  // Six facets summed one by one cost about as much as the polynomial.
+  while (1.2 * static_cast<double>(normals) / static_cast<double>(along) > 6.0 &&
+         24 * along * along * (sizeof(Cell) + sizeof(std::uint32_t) * normals / along) <= kMostBytes) {
+    along *= 2;
+  }
+  return along;
+}
+
+double SunlightTable::cost(std::size_t normals) {
+  const double along = static_cast<double>(cells_along(normals));
+  return 30.0 * along + 60.0 * along * along / static_cast<double>(normals);
+}
+
+/// From the face down to the cells, by quarters; every facet is looked at where its parents left it undecided.
+class SunlightTable::Maker {
+ public:
+  explicit Maker(SunlightTable& table) : table_(table) {}
+
+  void make() {
+    std::vector<std::uint32_t> all(table_.normals_.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<std::uint32_t>(i);
+    for (int face = 0; face < 6; ++face) divide(face, 0, 0, table_.along_, Cell{}, all);
+  }
+
+ private:
+  void divide(int face, std::size_t u, std::size_t v, std::size_t width, Cell cell,
+              const std::vector<std::uint32_t>& undecided) {
+    const Face f = face_of(face);
+    const double half = static_cast<double>(width) / static_cast<double>(table_.along_);
+    const double middle_u = 2.0 * static_cast<double>(u) / static_cast<double>(table_.along_) - 1.0 + half;
+    const double middle_v = 2.0 * static_cast<double>(v) / static_cast<double>(table_.along_) - 1.0 + half;
+    std::vector<std::uint32_t> left;
+    for (const std::uint32_t i : undecided) {
+      const Vector3& n = table_.normals_[i].normal;
+      const double middle = f.sign * n[f.axis] + middle_u * n[f.u] + middle_v * n[f.v];
+      const double room = half * (std::abs(n[f.u]) + std::abs(n[f.v])) + kMargin;
+      if (middle > room) {
+        add_to(cell.coefficients, table_.normals_[i], table_.shares_);
+      } else if (middle >= -room) {
+        left.push_back(i);
+      }
+    }
+    if (width > 1) {
+      const std::size_t w = width / 2;
+      for (const std::size_t du : {std::size_t{0}, w}) {
+        for (const std::size_t dv : {std::size_t{0}, w}) divide(face, u + du, v + dv, w, cell, left);
+      }
+      return;
+    }
+    cell.first = static_cast<std::uint32_t>(table_.edge_on_.size());
+    table_.edge_on_.insert(table_.edge_on_.end(), left.begin(), left.end());
+    cell.end = static_cast<std::uint32_t>(table_.edge_on_.size());
+    table_.cells_[(static_cast<std::size_t>(face) * table_.along_ + u) * table_.along_ + v] = cell;
+  }
+
+  SunlightTable& table_;
+};
+
+SunlightTable::SunlightTable(const std::vector<SunlitNormal>& normals, Shares shares)
+    : normals_(normals), shares_(shares), along_(cells_along(normals.size())), cells_(6 * along_ * along_) {
+  Maker(*this).make();
+  for (const SunlitNormal& one : normals_) largest_error_m3_ += one.moment_m3.norm();
+  largest_error_m3_ *= 100.0 * std::numeric_limits<double>::epsilon();
+}
+
+Vector3 SunlightTable::torque_m3(const Vector3& s) const {
+  const double x = std::abs(s[0]), y = std::abs(s[1]), z = std::abs(s[2]);
+  const int axis = x >= y && x >= z ? 0 : (y >= z ? 1 : 2);
+  const int face = 2 * axis + (s[axis] < 0.0);
+  const Face f = face_of(face);
+  const double along = static_cast<double>(along_), scale = 0.5 * along / std::abs(s[axis]);
+  const auto place = [&](int i) {
+    return static_cast<std::size_t>(std::clamp(s[i] * scale + 0.5 * along, 0.0, along - 1.0));
+  };
+  const Cell& cell = cells_[(static_cast<std::size_t>(face) * along_ + place(f.u)) * along_ + place(f.v)];
+  const double terms[9] = {s[0],        s[1],        s[2],        s[0] * s[0], s[1] * s[1],
+                           s[2] * s[2], s[0] * s[1], s[1] * s[2], s[2] * s[0]};
+  double sums[3];
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double* row = &cell.coefficients[9 * k];
+    double a = row[0] * terms[0], b = row[1] * terms[1], c = row[2] * terms[2];
+    for (std::size_t i = 3; i < 9; i += 3) {
+      a += row[i] * terms[i], b += row[i + 1] * terms[i + 1], c += row[i + 2] * terms[i + 2];
+    }
+    sums[k] = a + b + c;
+  }
+  const double share = 1.0 - shares_.specular, twice = 2.0 * shares_.specular, diffuse = 2.0 / 3.0 * shares_.diffuse;
+  Vector3 along_s = Vector3::Zero(), along_n = Vector3::Zero();
+  for (std::uint32_t i = cell.first; i < cell.end; ++i) {
+    const SunlitNormal& one = normals_[edge_on_[i]];
+    const double cosine = std::max(one.normal.dot(s), 0.0);
+    along_s += share * cosine * one.moment_m3;
+    along_n += cosine * (twice * cosine + diffuse) * one.normal_moment_m3;
+  }
+  return Vector3(sums[0], sums[1], sums[2]) - along_s.cross(s) - along_n;
+}
+
+SunlitSum::SunlitSum(const std::vector<SunlitNormal>& normals, SunlightTable::Shares shares) : shares_(shares) {
+  fours_.resize((normals.size() + 3) / 4, Four{});
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    Four& four = fours_[i / 4];
+    for (int k = 0; k < 3; ++k) {
+      four.n[k][i % 4] = normals[i].normal[k];
+      four.moment[k][i % 4] = normals[i].moment_m3[k];
+      four.normal_moment[k][i % 4] = normals[i].normal_moment_m3[k];
+    }
+  }
+}
+
+Vector3 SunlitSum::torque_m3(const Vector3& s) const {
+  const double share = 1.0 - shares_.specular, twice = 2.0 * shares_.specular, diffuse = 2.0 / 3.0 * shares_.diffuse;
+  double along_s[3][4] = {}, along_n[3][4] = {};
+  for (const Four& four : fours_) {
+    for (int i = 0; i < 4; ++i) {
+      const double cosine = std::max(four.n[0][i] * s[0] + four.n[1][i] * s[1] + four.n[2][i] * s[2], 0.0);
+      const double a = share * cosine, b = cosine * (twice * cosine + diffuse);
+      for (int k = 0; k < 3; ++k) {
+        along_s[k][i] += a * four.moment[k][i];
+        along_n[k][i] += b * four.normal_moment[k][i];
+      }
+    }
+  }
+  const auto sum = [](const double(&x)[3][4]) {
+    return Vector3((x[0][0] + x[0][1]) + (x[0][2] + x[0][3]), (x[1][0] + x[1][1]) + (x[1][2] + x[1][3]),
+                   (x[2][0] + x[2][1]) + (x[2][2] + x[2][3]));
+  };
+  return -sum(along_s).cross(s) - sum(along_n);
+}
+
+}  // namespace polhode

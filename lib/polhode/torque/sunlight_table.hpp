@@ -1,0 +1,83 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "polhode/base/geometry.hpp"
+
+namespace polhode {
+
+/// Facets with the same normal, as sunlight sees them: at a cosine c = n . s > 0 of the Sun's direction s they feel,
+/// per unit of pressure,
+///
+///     torque = -c x X x (s_share s) - c (specular_2 c + diffuse_23) X x n,      X = sum of (area times centre)
+///
+/// with s_share = 1 - specular, specular_2 = 2 specular, diffuse_23 = 2/3 diffuse.
+struct SunlitNormal {
+  Vector3 normal;
+  Vector3 moment_m3;         ///< X
+  Vector3 normal_moment_m3;  ///< X x n
+};
+
+/// The torque of sunlight per unit of pressure by the Sun's direction in the body, for bodies of many facets.
+///
+/// The directions are the cells of a cube's faces (gnomonic, 6 N^2 of them). Where all of a cell sees a facet lit or
+/// none of it does, the facet's torque is a polynomial of degree 2 in the direction, so that the sum of all of these is
+/// one, kept by its 27 coefficients; the facets that turn edge-on somewhere in the cell, about 1.2/N of all, are summed
+/// one by one. Nothing is interpolated: the table gives the sum over the facets, kinks included, to the rounding of its
+/// coefficients.
+class SunlightTable {
+ public:
+  /// The share of light reflected in each way, as in Sunlight::Surface.
+  struct Shares {
+    double specular, diffuse;
+  };
+  static constexpr std::size_t kMostBytes = 48u << 20;  ///< of the table: what limits N
+
+  SunlightTable(const std::vector<SunlitNormal>& normals, Shares shares);
+
+  /// m^3, of a unit vector to the Sun.
+  Vector3 torque_m3(const Vector3& to_sun) const;
+
+  /// The table may be off by this much, m^3: 100 roundings of the sum of |X|. (Found: at most 4, for 10 to 20000
+  /// normals; tests/unit/sunlight_table_test.cpp.)
+  double largest_error_m3() const { return largest_error_m3_; }
+
+  /// What making it costs, in sums over all facets, roughly.
+  static double cost(std::size_t normals);
+  /// Cells along the edge of a face, for so many normals.
+  static std::size_t cells_along(std::size_t normals);
+
+ private:
+  struct Cell {
+    std::array<double, 27> coefficients{};  // 9 for each component: of x, y, z, xx, yy, zz, xy, yz, zx
+    std::uint32_t first = 0, end = 0;       // of edge_on_
+  };
+  class Maker;
+
+  std::vector<SunlitNormal> normals_;
+  Shares shares_;
+  std::size_t along_;
+  std::vector<Cell> cells_;
+  std::vector<std::uint32_t> edge_on_;
+  double largest_error_m3_ = 0.0;
+};
+
+/// The sum over all normals, in fours.
+class SunlitSum {
+ public:
+  SunlitSum() = default;
+  SunlitSum(const std::vector<SunlitNormal>& normals, SunlightTable::Shares shares);
+  Vector3 torque_m3(const Vector3& to_sun) const;
+
+ private:
+  struct Four {
+    double n[3][4], moment[3][4], normal_moment[3][4];
+  };
+  std::vector<Four> fours_;
+  SunlightTable::Shares shares_{};
+};
+
+}  // namespace polhode
