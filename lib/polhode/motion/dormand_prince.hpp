@@ -122,13 +122,19 @@ void stages(const Rate& rate, double t, const Unknowns& y, double h, Unknowns* k
 /// What a step of length h adds, of the stages 0 to 11.
 inline Unknowns increment(double h, const Unknowns* k) { return h * combined<kWeights[kStages]>(k); }
 
-/// The estimated error of the step (eq. II.10.16 and 17), each unknown weighed.
-inline double error(double h, const Unknowns* k, const Unknowns& weights) {
-  const double fifth = (weights * combined<kFifthOrderError>(k)).square().sum();
-  const double third =
-      (weights * (combined<kWeights[kStages]>(k) - combined<kThirdOrder>(k))).square().sum();
-  return fifth == 0.0 ? 0.0 : std::abs(h) * fifth / std::sqrt(fifth + 0.01 * third);
-}
+/// The sums behind the estimates of the error, per unit of time (eq. II.10.16 and 17).
+struct Estimates {
+  Unknowns fifth, third;
+
+  explicit Estimates(const Unknowns* k)
+      : fifth(combined<kFifthOrderError>(k)), third(combined<kWeights[kStages]>(k) - combined<kThirdOrder>(k)) {}
+
+  /// The estimated error of a step of length h, each unknown weighed.
+  double error(double h, const Unknowns& weights) const {
+    const double fifth_square = (weights * fifth).square().sum(), third_square = (weights * third).square().sum();
+    return fifth_square == 0.0 ? 0.0 : std::abs(h) * fifth_square / std::sqrt(fifth_square + 0.01 * third_square);
+  }
+};
 
 /// The continuous extension of a step.
 struct Dense {

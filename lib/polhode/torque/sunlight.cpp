@@ -19,8 +19,12 @@ constexpr double kSolarConstant_w_m2 = 1361.0;  // total solar irradiance at 1 a
 constexpr double kAstronomicalUnit_m = 149597870700.0;
 constexpr double kLightSpeed_m_s = 299792458.0;
 
-constexpr double kNormalsPerDouble = 0x1p40;  // normals that agree so far are one
-constexpr std::size_t kFewNormals = 40;       // whose sum costs no more than a table
+/// Of sunlight, by the square of the distance in m.
+double pressure_pa(double r2) {
+  return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2);
+}
+
+constexpr double kNormalsPerUnit = 0x1p40;  // normals that agree so far are one
 
 }  // namespace
 
@@ -65,7 +69,7 @@ Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
     if (!(size_m2 > 0.0)) continue;
     const Vector3 normal = area_m2 / size_m2;
     std::array<std::int64_t, 3> key{};
-    for (int k = 0; k < 3; ++k) key[static_cast<std::size_t>(k)] = std::llround(normal[k] * kNormalsPerDouble);
+    for (int k = 0; k < 3; ++k) key[static_cast<std::size_t>(k)] = std::llround(normal[k] * kNormalsPerUnit);
     const auto [at, is_new] = place.emplace(key, normals.size());
     if (is_new) normals.push_back({normal, Vector3::Zero(), Vector3::Zero()});
     normals[at->second].moment_m3 += size_m2 * centre_m;
@@ -96,22 +100,33 @@ Sunlight Sunlight::with_table() const {
 }
 
 double Sunlight::evaluations_for_table() const {
-  if (normals() <= kFewNormals || with_table_) return std::numeric_limits<double>::infinity();
+  if (has_edges() || with_table_) return std::numeric_limits<double>::infinity();
   return SunlightTable::cost(normals());
 }
 
 Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
   const double r2 = to_sun_body_m.squaredNorm();
   const Vector3 s = to_sun_body_m / std::sqrt(r2);
-  const Vector3 torque_m3 = with_table_ ? facets_->table().torque_m3(s) : facets_->sum.torque_m3(s);
-  return kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) * torque_m3;
+  return pressure_pa(r2) * (with_table_ ? facets_->table().torque_m3(s) : facets_->sum.torque_m3(s));
+}
+
+void Sunlight::add_edges(const TorquePlace<double>& place, std::vector<TorqueEdge>& edges) const {
+  if (!has_edges()) return;
+  const Vector3 to_sun = -place.to_body(place.orbit->position_m);
+  const double r2 = to_sun.squaredNorm(), pressure = pressure_pa(r2);
+  const Vector3 s = to_sun / std::sqrt(r2);
+  for (const SunlitNormal& one : facets_->normals) {
+    const double cosine = one.normal.dot(s);
+    const double along_normal = 2.0 * surface_.specular * cosine + 2.0 / 3.0 * surface_.diffuse;
+    edges.push_back({cosine, -pressure * ((1.0 - surface_.specular) * one.moment_m3.cross(s) +
+                                          along_normal * one.normal_moment_m3)});
+  }
 }
 
 double Sunlight::largest(double t_s, const Vector3& /*moments*/, double /*momentum*/) const {
   const double r2 = trajectory.state(t_s).position_m.squaredNorm();
   // The push of a facet is at most twice that of the light on it.
-  return 2.0 * kSolarConstant_w_m2 / kLightSpeed_m_s * (kAstronomicalUnit_m * kAstronomicalUnit_m / r2) *
-         largest_moment_m3_;
+  return 2.0 * pressure_pa(r2) * largest_moment_m3_;
 }
 
 }  // namespace polhode

@@ -56,6 +56,11 @@ class Sunlight {
   /// N m, in the axes of the facets (those with the same normal within 1e-12 are taken together); `to_sun_body_m` is the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const;
 
+  /// The parts of the facets' normals, if these are few (Torques::edges()).
+  static constexpr std::size_t kMostEdges = 40;
+  bool has_edges() const { return normals() <= kMostEdges; }
+  void add_edges(const TorquePlace<double>& place, std::vector<TorqueEdge>& edges) const;
+
   double largest(double t_s, const Vector3& moments, double momentum) const;
   double cost_of_evaluation() const { return with_table_ ? 1.0 : static_cast<double>(normals()) / 50.0; }
 

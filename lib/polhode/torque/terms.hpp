@@ -51,6 +51,12 @@ struct TorquePlace {
   }
 };
 
+/// See Torques::edges().
+struct TorqueEdge {
+  double cosine;
+  Vector3 torque_per_cosine;
+};
+
 /// Throws InputError "`what` is …, a finite one is wanted" if an element is NaN or infinite.
 void check_finite(std::string_view what, const Eigen::Ref<const Eigen::MatrixXd>& values);
 void check_finite(std::string_view what, double value);

@@ -163,6 +163,34 @@ double Torques::cost_of_evaluation() const {
   return cost;
 }
 
+void Torques::edges(const Surroundings<double>& surroundings, const Matrix3& inertial_from_body,
+                    std::vector<Edge>& edges) const {
+  edges.clear();
+  TorquePlace<double> place{inertial_from_body};
+  for (std::size_t i = 0; i < torques_.size(); ++i) {
+    place.orbit = orbit_of_torque_[i] == kNone ? nullptr : &surroundings[orbit_of_torque_[i]];
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (requires { one.add_edges(place, edges); }) one.add_edges(place, edges);
+        },
+        torques_[i]);
+  }
+}
+
+bool Torques::has_edges() const {
+  return std::any_of(torques_.begin(), torques_.end(), [](const Torque& torque) {
+    return std::visit(
+        [](const auto& one) {
+          if constexpr (requires { one.has_edges(); }) {
+            return one.has_edges();
+          } else {
+            return false;
+          }
+        },
+        torque);
+  });
+}
+
 Torques Torques::with_tables() const {
   Torques tabulated = *this;
   for (Torque& torque : tabulated.torques_) {

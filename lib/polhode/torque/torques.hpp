@@ -149,6 +149,15 @@ class Torques {
   /// What one evaluation costs, in evaluations of a gravity gradient, roughly.
   double cost_of_evaluation() const;
 
+  /// A part of the torque that is there only while its cosine is above 0: torque = cosine x torque_per_cosine, which is
+  /// smooth on both sides. At its edge the whole has a kink.
+  using Edge = TorqueEdge;
+  /// All such parts, in the same order at every place, in principal axes; none of torques that have too many of them
+  /// (Sunlight::kMostEdges), or do not tell. Replaces what `edges` holds.
+  void edges(const Surroundings<double>& surroundings, const Matrix3& inertial_from_body,
+             std::vector<Edge>& edges) const;
+  bool has_edges() const;
+
   /// The same torques, those that have tables by them (Sunlight::with_table()), and after how many evaluations it pays.
   Torques with_tables() const;
   double evaluations_for_tables() const;
