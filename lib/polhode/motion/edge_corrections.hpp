@@ -18,8 +18,8 @@ struct EdgeCorrections {
 
   /// `edges` at the parts 0, 1/4, 1/2, 3/4, 1 of a step of length h. `columns` turn the torque of one of them at each
   /// place into the first four unknowns' derivatives. False if no part sets in or ends.
-  bool find(const std::array<std::vector<Torques::Edge>, 5>& edges, const std::array<Eigen::Matrix<double, 4, 3>, 5>& columns,
-            double h);
+  bool find(const std::array<std::vector<Torques::Edge>, 5>& edges,
+            const std::array<Eigen::Matrix<double, 4, 3>, 5>& columns, double h);
 };
 
 }  // namespace polhode

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <optional>
 
@@ -23,25 +22,29 @@ using dp::Unknowns;  // angular momentum in inertial axes (3), the rest of the e
 
 /// Found on the torqued bodies of data/truth, on random ones and on boxes in sunlight.
 struct Tuning {
-  static constexpr double first_run = 15.0;     // its estimated errors, all added up, in tolerances
-  static constexpr double finer = 0.1;          // of the next run
-  static constexpr double power = 8.0 / 7.0;    // of these, by which the errors of a run fall
-  static constexpr double safety = 3.0;         // of what the difference of two runs says by that power
-  static constexpr double with_kinks = 4.0;     // claimed of the difference
-  static constexpr double usual_gain = 14.0;    // of the second run, and of others if nothing says that the power holds
-  static constexpr double gain_at_rounding = 2.0;
-  static constexpr double aside = 3e-16;                  // of the start of some runs
-  static constexpr double rounding_of_rate = 1e-15;       // of the phase
-  static constexpr double rounding_matters_rad = 1e-9;
-  static constexpr double most_rounding_rad = 2e-7;    // of bodies of which anything can be known
-  static constexpr double comparable_rad = 1e-2;  // runs that differ by more say nothing of each other
-  static constexpr double aim = 0.5;
+  // Runs.
+  static constexpr double first_run = 15.0;  // its estimated errors, all added up, in tolerances
+  static constexpr double finer = 0.1;       // of the second run
+  static constexpr double aim = 0.5;         // of the tolerance, of further ones
   static constexpr int most_runs = 7;
-  static constexpr double first_turn_rad = 0.1;
-  static constexpr double longest_turn_rad = 2.5;    // of a step
-  static constexpr double time_scale_share = 0.7;    // of a step in r/v: an encounter is never stepped over
+  // What is claimed.
+  static constexpr double power = 8.0 / 7.0;  // of the estimated errors, by which the errors of a run fall
+  static constexpr double safety = 3.0;       // of what the difference of two runs says by that power
+  static constexpr double usual_gain = 14.0;  // of the second run, and of others if nothing says that the power holds
+  static constexpr double gain_at_rounding = 2.0;
+  static constexpr double with_edges = 1.0, with_kinks = 2.0;  // of the difference, at least
+  static constexpr double comparable_rad = 1e-2;               // runs that differ by more say nothing of each other
+  static constexpr double most_known_rad = 0.2;                // of differences whose power can be seen
+  // Rounding.
+  static constexpr double aside = 3e-16;                   // of the start of some runs
+  static constexpr double rounding_of_rate = 1e-15;        // of the phase
   static constexpr double rounding_of_estimate = 1.5e-15;  // of an error, in turns
-  static constexpr double small_torque = 0.1;        // beside m x omega
+  static constexpr double rounding_matters_rad = 1e-9;     // at tolerances below, it is always measured
+  static constexpr double most_rounding_rad = 2e-7;        // of bodies of which anything can be known
+  // Steps.
+  static constexpr double first_turn_rad = 0.1, longest_turn_rad = 2.5;
+  static constexpr double time_scale_share = 0.7;  // of a step in r/v: an encounter is never stepped over
+  static constexpr double small_torque = 0.1;      // beside m x omega
   static constexpr std::size_t steps_between_comparisons = 8, most_comparisons = 200;
 };
 
@@ -167,9 +170,9 @@ class ValueMotion::Builder {
       for (const double to_s : ends_s) {
         Leg leg{torques.during(0.5 * (from_s + to_s)), {}, {{from_s, {}, {}}, {to_s, {}, {}}}};
         for (const Trajectory& way : leg.torques.trajectories()) {
-          const double most = std::min(0.5 * evaluations_per_s * std::abs(to_s - from_s) / TrajectoryPieces::kCost, 5e4);
+          const double most =
+              std::min(0.5 * evaluations_per_s * std::abs(to_s - from_s) / TrajectoryPieces::kCost, 5e4);
           leg.ways.emplace_back(way, std::min(from_s, to_s), std::max(from_s, to_s), static_cast<std::size_t>(most));
-          if (std::getenv("VM")) fmt::print("pieces {}\n", leg.ways.back().pieces());
         }
         (forward ? forward_ : backward_).push_back(std::move(leg));
         from_s = to_s;
@@ -327,7 +330,8 @@ class ValueMotion::Builder {
       // A momentum off by a part d turns the body d omega t away in the time t that is left; but these errors swing
       // rather than add up, and what they come to is measured afterwards: the geometric mean.
       const double growth = std::sqrt(1.0 + rate_rad_s * std::abs(end_s - t_s));
-      const double per_momentum = growth / std::max(m.norm(), I[0] * rate_rad_s);
+      const double momentum_scale = std::max(m.norm(), I[0] * rate_rad_s);
+      const double per_momentum = momentum_scale > 0.0 ? growth / momentum_scale : 0.0;
       Unknowns weights;
       weights << per_momentum, per_momentum, per_momentum, has_energy ? per_momentum * per_momentum / growth : 0.0, 2.0,
           2.0, 2.0, 2.0;
@@ -348,8 +352,7 @@ class ValueMotion::Builder {
       steps_at_rounding_ += rounding * std::abs(end_s) > sum_rad_;
       ++steps_;
       const bool good = error <= allowed || repeats_;
-      const double factor =
-          !std::isfinite(error) ? 0.1 : 0.9 * std::pow(allowed / std::max(error, 1e-300), 1.0 / 7.0);
+      const double factor = !std::isfinite(error) ? 0.1 : 0.9 * std::pow(allowed / std::max(error, 1e-300), 1.0 / 7.0);
       wanted_s = std::abs(h) * std::clamp(factor, 0.1, good ? 4.0 : 0.9);
       if (good && std::abs(h) < free_s) wanted_s = std::max(wanted_s, free_s);
       if (!good) continue;
@@ -394,13 +397,14 @@ class ValueMotion::Builder {
     rates.edges(t_s, y, edges_[0], columns_[0]);
     rates.edges(t_s + h, end, edges_[4], columns_[4]);
     bool any = false;
-    for (std::size_t e = 0; e < edges_[0].size(); ++e) any = any || (edges_[0][e].cosine > 0.0) != (edges_[4][e].cosine > 0.0);
+    for (std::size_t e = 0; e < edges_[0].size(); ++e)
+      any = any || (edges_[0][e].cosine > 0.0) != (edges_[4][e].cosine > 0.0);
     if (!any) return;
     const Unknowns end_rate = rates(t_s + h, end);
     for (std::size_t i = 1; i < 4; ++i) {
       const double x = 0.25 * static_cast<double>(i), rest = 1.0 - x;
-      const Unknowns between = rest * rest * ((1.0 + 2.0 * x) * y + x * h * k[0]) +
-                               x * x * ((1.0 + 2.0 * rest) * end - rest * h * end_rate);
+      const Unknowns between =
+          rest * rest * ((1.0 + 2.0 * x) * y + x * h * k[0]) + x * x * ((1.0 + 2.0 * rest) * end - rest * h * end_rate);
       rates.edges(t_s + x * h, between, edges_[i], columns_[i]);
     }
   }
@@ -459,7 +463,8 @@ class ValueMotion::Builder {
 
   const FreeBody& body_;
   const Options& options_;
-  double sum_rad_ = 0.0, longest_ = 1.0, phase_rad_ = 0.0;
+  double sum_rad_ = 0.0, phase_rad_ = 0.0;
+  double longest_ = 1.0;  // of the limits of steps
   std::size_t steps_ = 0, steps_at_rounding_ = 0;
   double aside_ = 0.0;
   bool repeats_ = false;
@@ -480,7 +485,8 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
   check_span(options.first_s, options.last_s);
   Builder builder(body, torques, options);
   error_rad_ = std::numeric_limits<double>::infinity();
-  double sum_rad = Tuning::first_run * options.tolerance_rad;
+  const double least_share = torques.smooth() ? 0.0 : torques.has_edges() ? Tuning::with_edges : Tuning::with_kinks;
+  double sum_rad = Tuning::first_run / std::max(1.0, 4.0 * least_share) * options.tolerance_rad;
   whole_ = builder.run(sum_rad, nullptr, nullptr, forward_, backward_);
   kept_evaluations_ = builder.evaluations();
   double before_rad = error_rad_, finer = Tuning::finer, gain_before = 0.0, rounding_rad = 0.0;
@@ -495,15 +501,17 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
     kept_evaluations_ = builder.evaluations() - before;
     forward_ = std::move(forward), backward_ = std::move(backward);
     const double difference = builder.difference_rad(), dense_error = builder.dense_error_rad();
-    // By how much the finer run is better than the coarser one: by the known power, but by no more than usual unless the
-    // runs before have shown it.
+    // By how much the finer run is better than the coarser one: by the known power, but by no more than usual unless
+    // the runs before have shown it.
     const double expected_gain = std::pow(finer, -Tuning::power);
-    const bool as_known = before_rad < Tuning::comparable_rad && before_rad > 0.5 * gain_before * difference;
+    const bool as_known = before_rad < Tuning::most_known_rad && before_rad > 0.5 * gain_before * difference;
     double gain = as_known ? expected_gain : std::min(expected_gain, Tuning::usual_gain);
     if (builder.at_rounding()) gain = Tuning::gain_at_rounding;
     gain_before = expected_gain;
-    double claim = (torques.smooth() ? Tuning::safety / (gain - 1.0) : Tuning::with_kinks) * difference;
-    // Rounding is not made less by finer steps. Where it may matter, the same steps are done once more from a start aside.
+    const double share = Tuning::safety / (gain - 1.0);
+    double claim = difference * std::max(share, least_share);
+    // Rounding is not made less by finer steps. Where it may matter, the same steps are done once more from a start
+    // aside.
     claim += Tuning::rounding_of_rate * builder.phase_rad();
     if (i == 1) rounding_rad = std::min(difference / Tuning::usual_gain, Tuning::most_rounding_rad);
     const bool matters = rounding_rad > 0.1 * options.tolerance_rad;
@@ -512,18 +520,16 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
       if (!whole_) break;
       rounding_rad = Tuning::safety * builder.difference_rad();
       rounding_is_known = true;
-      if (std::getenv("VM")) fmt::print("  rounding {}\n", rounding_rad);
     }
     if (rounding_is_known) claim += rounding_rad;
     claim += 2.0 * dense_error;
     error_rad_ = difference < Tuning::comparable_rad ? claim : std::max(claim, difference);
-    if (std::getenv("VM")) fmt::print("  run {} sum {:.1e} diff {:.2e} dense {:.2e} claim {:.2e} evals {}\n", i, sum_rad, difference, dense_error, error_rad_, kept_evaluations_);
     if (difference < Tuning::comparable_rad && error_rad_ <= options.tolerance_rad) break;
     poor += difference < 0.1 && !(difference < 0.5 * before_rad);
     if (poor >= 2) break;
     before_rad = difference;
     // The difference was that of the coarser run: the finer one is better already.
-    const double expected = claim / (torques.smooth() ? 1.0 : Tuning::with_kinks);
+    const double expected = least_share > 0.0 && difference < Tuning::most_known_rad ? difference : claim;
     finer = std::clamp(std::pow(Tuning::aim * options.tolerance_rad / expected, 1.0 / Tuning::power), 1e-3, 0.25);
   }
   evaluations_ = builder.evaluations();

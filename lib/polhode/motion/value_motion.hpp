@@ -34,7 +34,7 @@ class ValueMotion final : public Motion {
   /// Where times ascend, or several lie in a step, much faster than one by one; the same bits.
   void batch(const TimeArrays& times, const StateArrays& out) const override;
 
-  bool whole() const { return whole_; }  ///< false: the limit of evaluations ended it
+  bool whole() const { return whole_; }            ///< false: the limit of evaluations ended it
   double error_rad() const { return error_rad_; }  ///< infinite if nothing is known of it
   double first_s() const { return first_s_; }      ///< reached
   double last_s() const { return last_s_; }        ///< reached

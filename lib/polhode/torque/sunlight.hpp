@@ -53,7 +53,8 @@ class Sunlight {
   void check() const {}  // nothing is left for it: see the constructor
   Sunlight turned(const Matrix3& to_from) const;
 
-  /// N m, in the axes of the facets (those with the same normal within 1e-12 are taken together); `to_sun_body_m` is the vector from the body to the Sun, not 0.
+  /// N m, in the axes of the facets (those with the same normal within 1e-12 are taken together); `to_sun_body_m` is
+  /// the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const;
 
   /// The parts of the facets' normals, if these are few (Torques::edges()).

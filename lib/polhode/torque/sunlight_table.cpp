@@ -101,7 +101,7 @@ SunlightTable::SunlightTable(const std::vector<SunlitNormal>& normals, Shares sh
     : normals_(normals), shares_(shares), along_(cells_along(normals.size())), cells_(6 * along_ * along_) {
   Maker(*this).make();
   for (const SunlitNormal& one : normals_) largest_error_m3_ += one.moment_m3.norm();
-  largest_error_m3_ *= 100.0 * std::numeric_limits<double>::epsilon();
+  largest_error_m3_ *= 16.0 * std::numeric_limits<double>::epsilon();
 }
 
 Vector3 SunlightTable::torque_m3(const Vector3& s) const {
@@ -126,46 +126,49 @@ Vector3 SunlightTable::torque_m3(const Vector3& s) const {
     sums[k] = a + b + c;
   }
   const double share = 1.0 - shares_.specular, twice = 2.0 * shares_.specular, diffuse = 2.0 / 3.0 * shares_.diffuse;
-  Vector3 along_s = Vector3::Zero(), along_n = Vector3::Zero();
+  double along_s[3] = {}, along_n[3] = {};
   for (std::uint32_t i = cell.first; i < cell.end; ++i) {
     const SunlitNormal& one = normals_[edge_on_[i]];
-    const double cosine = std::max(one.normal.dot(s), 0.0);
-    along_s += share * cosine * one.moment_m3;
-    along_n += cosine * (twice * cosine + diffuse) * one.normal_moment_m3;
+    const double seen = one.normal[0] * s[0] + one.normal[1] * s[1] + one.normal[2] * s[2];
+    const double cosine = seen > 0.0 ? seen : 0.0, a = share * cosine, b = cosine * (twice * cosine + diffuse);
+    for (int k = 0; k < 3; ++k) {
+      along_s[k] += a * one.moment_m3[k];
+      along_n[k] += b * one.normal_moment_m3[k];
+    }
   }
-  return Vector3(sums[0], sums[1], sums[2]) - along_s.cross(s) - along_n;
+  return Vector3(sums[0] - along_n[0], sums[1] - along_n[1], sums[2] - along_n[2]) -
+         Vector3(along_s[0], along_s[1], along_s[2]).cross(s);
 }
 
-SunlitSum::SunlitSum(const std::vector<SunlitNormal>& normals, SunlightTable::Shares shares) : shares_(shares) {
-  fours_.resize((normals.size() + 3) / 4, Four{});
+SunlitSum::SunlitSum(const std::vector<SunlitNormal>& normals, SunlightTable::Shares shares)
+    : fours_((normals.size() + 3) / 4), shares_(shares) {
+  for (Four& four : fours_) {
+    for (int k = 0; k < 3; ++k) four.normal[k] = four.moment_m3[k] = four.normal_moment_m3[k] = Eigen::Array4d::Zero();
+  }
   for (std::size_t i = 0; i < normals.size(); ++i) {
-    Four& four = fours_[i / 4];
+    const auto lane = static_cast<Eigen::Index>(i % 4);
     for (int k = 0; k < 3; ++k) {
-      four.n[k][i % 4] = normals[i].normal[k];
-      four.moment[k][i % 4] = normals[i].moment_m3[k];
-      four.normal_moment[k][i % 4] = normals[i].normal_moment_m3[k];
+      fours_[i / 4].normal[k][lane] = normals[i].normal[k];
+      fours_[i / 4].moment_m3[k][lane] = normals[i].moment_m3[k];
+      fours_[i / 4].normal_moment_m3[k][lane] = normals[i].normal_moment_m3[k];
     }
   }
 }
 
 Vector3 SunlitSum::torque_m3(const Vector3& s) const {
   const double share = 1.0 - shares_.specular, twice = 2.0 * shares_.specular, diffuse = 2.0 / 3.0 * shares_.diffuse;
-  double along_s[3][4] = {}, along_n[3][4] = {};
+  Eigen::Array4d along_s[3], along_n[3];
+  for (int k = 0; k < 3; ++k) along_s[k] = along_n[k] = Eigen::Array4d::Zero();
   for (const Four& four : fours_) {
-    for (int i = 0; i < 4; ++i) {
-      const double cosine = std::max(four.n[0][i] * s[0] + four.n[1][i] * s[1] + four.n[2][i] * s[2], 0.0);
-      const double a = share * cosine, b = cosine * (twice * cosine + diffuse);
-      for (int k = 0; k < 3; ++k) {
-        along_s[k][i] += a * four.moment[k][i];
-        along_n[k][i] += b * four.normal_moment[k][i];
-      }
+    const Eigen::Array4d cosine = (four.normal[0] * s[0] + four.normal[1] * s[1] + four.normal[2] * s[2]).max(0.0);
+    const Eigen::Array4d a = share * cosine, b = cosine * (twice * cosine + diffuse);
+    for (int k = 0; k < 3; ++k) {
+      along_s[k] += a * four.moment_m3[k];
+      along_n[k] += b * four.normal_moment_m3[k];
     }
   }
-  const auto sum = [](const double(&x)[3][4]) {
-    return Vector3((x[0][0] + x[0][1]) + (x[0][2] + x[0][3]), (x[1][0] + x[1][1]) + (x[1][2] + x[1][3]),
-                   (x[2][0] + x[2][1]) + (x[2][2] + x[2][3]));
-  };
-  return -sum(along_s).cross(s) - sum(along_n);
+  return -Vector3(along_s[0].sum(), along_s[1].sum(), along_s[2].sum()).cross(s) -
+         Vector3(along_n[0].sum(), along_n[1].sum(), along_n[2].sum());
 }
 
 }  // namespace polhode

@@ -59,9 +59,8 @@ double TrajectoryPieces::fit(double from_s, double to_s, Piece& piece) const {
   const Eigen::Matrix<Extended, kNodes, 6> powers = b.powers_of_chebyshev * chebyshev;
   for (int n = 0; n < kNodes; ++n) piece.coefficients[n] = powers.row(n).cast<double>().transpose();
   const auto tail = chebyshev.bottomRows(2).cwiseAbs();
-  return static_cast<double>(
-      std::max(tail.leftCols(3).maxCoeff() / values.leftCols(3).rowwise().norm().minCoeff(),
-               tail.rightCols(3).maxCoeff() / values.rightCols(3).rowwise().norm().minCoeff()));
+  return static_cast<double>(std::max(tail.leftCols(3).maxCoeff() / values.leftCols(3).rowwise().norm().minCoeff(),
+                                      tail.rightCols(3).maxCoeff() / values.rightCols(3).rowwise().norm().minCoeff()));
 }
 
 TrajectoryPieces::TrajectoryPieces(const Trajectory& trajectory, double first_s, double last_s, std::size_t most)
@@ -95,8 +94,8 @@ OrbitState<double> TrajectoryPieces::state(double t_s, std::size_t& piece) const
   if (pieces_.empty()) return trajectory_.state(t_s);
   const std::size_t last = pieces_.size() - 1;
   if (piece > last || t_s > ends_s_[piece] || (piece > 0 && t_s < ends_s_[piece - 1])) {
-    piece = std::min(last, static_cast<std::size_t>(std::lower_bound(ends_s_.begin(), ends_s_.end(), t_s) -
-                                                    ends_s_.begin()));
+    piece = std::min(last,
+                     static_cast<std::size_t>(std::lower_bound(ends_s_.begin(), ends_s_.end(), t_s) - ends_s_.begin()));
   }
   const Piece& p = pieces_[piece];
   const double x = (t_s - p.middle_s) * p.per_half, x2 = x * x;

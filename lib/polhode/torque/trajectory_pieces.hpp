@@ -8,8 +8,8 @@
 namespace polhode {
 
 /// A Kepler orbit over a span as polynomials in time, piece by piece: its states within 1e-15 of distance and speed
-/// (made from long double, they hold where a double of the time since periapsis no longer does), for a fifth of the time
-/// that its equation takes to solve. A table, or an orbit that needs more pieces than allowed, is asked itself.
+/// (made from long double, they hold where a double of the time since periapsis no longer does), for a fifth of the
+/// time that its equation takes to solve. A table, or an orbit that needs more pieces than allowed, is asked itself.
 class TrajectoryPieces {
  public:
   static constexpr int kDegree = 13;
