@@ -15,7 +15,7 @@
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
 #include "rivals/registry.hpp"
-#include "rivals/splitting_schemes.hpp"
+#include "rivals/torqued_methods.hpp"
 #include "subcommands.hpp"
 #include "whole_number.hpp"
 
@@ -44,19 +44,28 @@ std::unique_ptr<Motion> make_free_motion(const FreeBody& body, const EvalOptions
 }
 
 std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOptions& options) {
-  if (options.step_s != 0.0)
-    throw InputError("--step is for free motion; under torques --tolerance says how fine to be");
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
+  const double first_s = std::min(0.0, *first), last_s = std::max(0.0, *last);
   const std::size_t most_evaluations =
       options.most_evaluations != 0 ? options.most_evaluations : usual_torque_evaluations(wanted.torques);
-  TorquedOptions how{options.tolerance_rad, std::min(0.0, *first), std::max(0.0, *last), options.method,
-                     most_evaluations};
   const auto own = torqued_motion_methods();
-  if (std::find(own.begin(), own.end(), how.method) == own.end()) {
-    how.splitting = in_option("--method", [&] { return &rivals::splitting_scheme(options.method); });
+  if (std::find(own.begin(), own.end(), options.method) == own.end()) {
+    return in_option("--method", [&] {
+      return rivals::make_torqued_motion(options.method, wanted.body, wanted.torques,
+                                         {.step_s = options.step_s,
+                                          .tolerance = options.tolerance_rad,
+                                          .max_evaluations = static_cast<std::int64_t>(most_evaluations)},
+                                         first_s, last_s);
+    });
   }
-  auto motion =
-      in_file(options.case_file, [&] { return std::make_unique<TorquedMotion>(wanted.body, wanted.torques, how); });
+  if (options.step_s != 0.0) {
+    throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", options.method));
+  }
+  auto motion = in_file(options.case_file, [&] {
+    return std::make_unique<TorquedMotion>(
+        wanted.body, wanted.torques,
+        TorquedOptions{options.tolerance_rad, first_s, last_s, options.method, most_evaluations});
+  });
   if (motion->outcome() == Outcome::stopped) {
     throw CheckFailed(fmt::format(
         "{}: stopped: {} s to {} s were reached after {} torque evaluations (method {}); allow more by "
@@ -115,8 +124,9 @@ void add_eval(CLI::App& app) {
       "  polhode eval --method legendre data/truth/dev/sam-01.case\n"
       "  polhode eval --tolerance 1e-8 data/truth/torqued/combined-01.case");
   command
-      ->add_option("--method", options->method,
-                   "Name from `polhode methods`, or auto; under torques series, extrapolation or a splitting scheme")
+      ->add_option(
+          "--method", options->method,
+          "Name from `polhode methods`, or auto; under torques series, dormand-prince or a method to compare with")
       ->capture_default_str();
   command
       ->add_option("--tolerance", options->tolerance_rad,

@@ -1,12 +1,16 @@
 #include "rivals/torqued_methods.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <deque>
 #include <string>
 #include <vector>
 
+#include "polhode/base/error.hpp"
 #include "rivals/discrete_moser_veselov.hpp"
+#include "rivals/extrapolated_motion.hpp"
 #include "rivals/general_purpose.hpp"
 #include "rivals/quaternion_steps.hpp"
 #include "rivals/rotation_splittings.hpp"
@@ -65,6 +69,36 @@ std::span<const TorquedMethod> torqued_methods() {
     return list;
   }();
   return all;
+}
+
+std::unique_ptr<Motion> make_torqued_motion(std::string_view name, const FreeBody& body, const Torques& torques,
+                                            const StepControl& control, double first_s, double last_s) {
+  constexpr std::string_view kExtrapolation = "extrapolation";
+  const std::span<const TorquedMethod> all = torqued_methods();
+  const auto method = std::find_if(all.begin(), all.end(), [&](const TorquedMethod& one) { return one.name == name; });
+  if (method == all.end() && name != kExtrapolation) {
+    std::vector<std::string_view> names{kExtrapolation};
+    for (const TorquedMethod& one : all) names.push_back(one.name);
+    throw InputError(fmt::format("unknown method '{:.40}' to compare with under torques, allowed are {}", name,
+                                 fmt::join(names, ", ")));
+  }
+  if (control.step_s != 0.0 && !(method != all.end() && method->fixed_step)) {
+    throw InputError(fmt::format("a step is for methods of fixed step, {} is not one of them", name));
+  }
+  if (method != all.end()) {
+    return std::make_unique<IntegratedMotion>(body, torques, control, method->run, method->scheme);
+  }
+  auto motion = std::make_unique<ExtrapolatedMotion>(
+      body, torques,
+      ExtrapolatedMotion::Options{control.tolerance, first_s, last_s,
+                                  static_cast<std::size_t>(control.max_evaluations)});
+  if (!motion->whole() || !(motion->error_rad() <= control.tolerance)) {
+    throw ComputationError(fmt::format(
+        "extrapolation took {} torque evaluations{}; its estimated error is {:.1e} rad, {:.1e} rad was asked for",
+        motion->torque_evaluations(), motion->whole() ? "" : ", and did not come to the end of the span",
+        motion->error_rad(), control.tolerance));
+  }
+  return motion;
 }
 
 }  // namespace polhode::rivals

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <span>
 #include <string_view>
 
@@ -21,5 +22,11 @@ struct TorquedMethod {
 /// Splittings around the exact motion at fixed steps, every scheme; the same around the free methods of the literature;
 /// general-purpose integrators.
 std::span<const TorquedMethod> torqued_methods();
+
+/// The motion over a span that holds t = 0 by one of torqued_methods(), or by "extrapolation" (ExtrapolatedMotion).
+/// Throws InputError for another name, or a step where the method has none; ComputationError where extrapolation does
+/// not reach its tolerance within the limit of evaluations. (The others answer NaN.)
+std::unique_ptr<Motion> make_torqued_motion(std::string_view name, const FreeBody& body, const Torques& torques,
+                                            const StepControl& control, double first_s, double last_s);
 
 }  // namespace polhode::rivals

@@ -85,8 +85,6 @@ TEST(BodyAxes, TorquesAreInTheNamedAxesOfTheBodyForEveryPropagator) {
     const TorquedMotion motion(free, torques, {1e-9, 0.0, last_s, method});
     EXPECT_LT(off_rad(named_state(free, motion.at(last_s)), truth), 1e-7) << method;
   }
-  const TorquedMotion split(free, torques, {.tolerance_rad = 1e-9, .last_s = last_s, .splitting = &kNear1064});
-  EXPECT_LT(off_rad(named_state(free, split.at(last_s)), truth), 1e-7);
   const Plan plan = plan_motion(free, torques, 0.0, last_s, 1e-8);
   EXPECT_LT(off_rad(named_state(free, planned_motion(plan, free, 0.0, last_s).motion->at(last_s)), truth), 1e-7);
   for (const rivals::TorquedMethod& method : rivals::torqued_methods()) {

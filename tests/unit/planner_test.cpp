@@ -18,6 +18,7 @@
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/time/scale.hpp"
+#include "rivals/extrapolated_motion.hpp"
 
 namespace polhode {
 namespace {
@@ -260,8 +261,8 @@ TEST(Planner, BoundsHoldInAThousandRandomScenes) {
     if (plan.effects[0].kept) continue;
     ++dropped;
     const ThetaMotion free(body);
-    const TorquedMotion real(body, torques,
-                             {std::min(1e-9, 0.01 * plan.dropped_rad + 1e-13), first_s, last_s, "extrapolation"});
+    const rivals::ExtrapolatedMotion real(body, torques,
+                             {std::min(1e-9, 0.01 * plan.dropped_rad + 1e-13), first_s, last_s});
     double worst = 0.0;
     for (int i = 1; i <= 8; ++i) {
       worst = std::max({worst, turned_rad(free, real, last_s * i / 8.0), turned_rad(free, real, first_s * i / 8.0)});

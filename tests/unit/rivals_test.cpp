@@ -15,6 +15,7 @@
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
 #include "rivals/discrete_moser_veselov.hpp"
+#include "rivals/extrapolated_motion.hpp"
 #include "rivals/implicit_midpoint.hpp"
 #include "rivals/integrated_motion.hpp"
 #include "rivals/lie_group.hpp"
@@ -380,7 +381,7 @@ double torqued_error(const TorquedMethod& method, const Torques& torques, const 
   const FreeBody body = satellite();
   const std::vector<double> times{25.0, -60.0, 40.0, 55.0, 140.0, 200.0, 0.0};
   static const std::vector<State> truth = [&] {
-    const TorquedMotion reference(body, torques, {1e-15, -60.0, 200.0, "extrapolation"});
+    const ExtrapolatedMotion reference(body, torques, {1e-15, -60.0, 200.0});
     std::vector<State> states;
     states.reserve(times.size());
     for (const double t : times) states.push_back(reference.at(t));

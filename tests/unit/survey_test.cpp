@@ -78,7 +78,7 @@ TEST(TorquedAccuracy, EveryMethodIsThereAndAccurateAgainstTheReference) {
     EXPECT_LT(best.at(std::string(method.name)), method.name.ends_with("strang") ? 1e-4 : 1e-5) << method.name;
   }
   EXPECT_LT(best.at("auto"), 1e-11);
-  EXPECT_LT(best.at("extrapolation"), 1e-12);
+  EXPECT_LT(best.at("dormand-prince"), 1e-11);
 }
 
 TEST(Stability, ThetaIsBlankOfTroubleAndOthersAreNot) {

@@ -10,11 +10,14 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/splitting.hpp"
+#include "rivals/extrapolated_motion.hpp"
 #include "rivals/splitting_schemes.hpp"
 
 namespace polhode {
 namespace {
 
+using rivals::ExtrapolatedMotion;
 using rivals::splitting_scheme;
 using rivals::splitting_schemes;
 
@@ -33,14 +36,8 @@ Torques gravity(double eccentricity = 0.0) {
       {GravityGradient(kEarth, KeplerElements{kEarth, kRadius_m, eccentricity, 100.0, {1, 0, 0}, {0, 0.6, 0.8}})});
 }
 
-/// The options with another method: one of the library's, or a splitting scheme by its name.
 TorquedOptions by(std::string_view method, TorquedOptions options) {
-  const auto own = torqued_motion_methods();
-  if (std::find(own.begin(), own.end(), method) != own.end()) {
-    options.method = method;
-  } else {
-    options.splitting = &splitting_scheme(method);
-  }
+  options.method = method;
   return options;
 }
 
@@ -51,8 +48,8 @@ State run(const FreeBody& body, const Torques& torques, std::string_view scheme,
 }
 
 State reference(const FreeBody& body, const Torques& torques, double span_s) {
-  const TorquedMotion motion(body, torques, {1e-13, std::min(0.0, span_s), std::max(0.0, span_s), "extrapolation"});
-  EXPECT_EQ(motion.outcome(), Outcome::done);
+  const ExtrapolatedMotion motion(body, torques, {1e-13, std::min(0.0, span_s), std::max(0.0, span_s)});
+  EXPECT_LE(motion.error_rad(), 1e-13);
   return motion.at(span_s);
 }
 
@@ -225,7 +222,7 @@ TEST(TorquedMotion, EnergyChangesByThePowerOfTheTorques) {
        EddyCurrents{100.0 * M, Vector3::UnitZ(), 7.8e15,
                     KeplerElements{kEarth, kRadius_m, 0.01, 0.0, {1, 0, 0}, {0, 0.6, 0.8}}},
        LinearDamping{{3.0, 5.0, 2.0}}});
-  for (const char* method : {"series", "near-10-6-4", "extrapolation"}) {
+  for (const char* method : {"series", "dormand-prince"}) {
     const TorquedMotion motion(body, torques, by(method, {1e-10, 0.0, 5000.0}));
     EXPECT_EQ(motion.outcome(), Outcome::done) << method;
     const auto energy = [&](double t) {
@@ -250,7 +247,7 @@ TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotatio
   const double G = body.momentum_body.norm();
   const Torques torques({InternalDissipation::from_quality_factor(5.0, moments, G)});
   const double k = std::get<InternalDissipation>(torques.list()[0]).relaxation;
-  for (const char* method : {"series", "near-10-6-4", "extrapolation"}) {
+  for (const char* method : {"series", "dormand-prince"}) {
     const TorquedMotion motion(body, torques, by(method, {1e-8, 0.0, 400.0}));
     EXPECT_EQ(motion.outcome(), Outcome::done) << method;
     const auto energy = [&](double t) {
@@ -270,7 +267,7 @@ TEST(TorquedMotion, InternalDissipationKeepsTheMomentumAndEndsInShortAxisRotatio
   }
 }
 
-// Series, against extrapolation in long double.
+// Both engines, against extrapolation in long double.
 
 TEST(TorquedMotion, FollowsEveryKindOfBodyAtAnyTime) {
   const KeplerElements orbit{kEarth, kRadius_m, 0.1, 100.0, {1, 0, 0}, {0, 0.6, 0.8}};
@@ -319,18 +316,22 @@ TEST(TorquedMotion, FollowsEveryKindOfBodyAtAnyTime) {
     const FreeBody body{b.moments, q, b.moments.cwiseProduct(b.omega_rad_s)};
     const Torques torques(b.torques);
     for (const double end_s : {3000.0, -3000.0}) {
-      const TorquedMotion truth(body, torques, {1e-12, std::min(0.0, end_s), std::max(0.0, end_s), "extrapolation"});
-      ASSERT_EQ(truth.outcome(), Outcome::done) << b.name;
+      const ExtrapolatedMotion truth(body, torques, {1e-12, std::min(0.0, end_s), std::max(0.0, end_s)});
+      ASSERT_LE(truth.error_rad(), 1e-12) << b.name;
       for (const double tolerance : {1e-5, 1e-9}) {
-        const TorquedMotion motion(body, torques, {tolerance, std::min(0.0, end_s), std::max(0.0, end_s)});
-        EXPECT_EQ(motion.outcome(), Outcome::done) << b.name;
-        EXPECT_EQ(motion.method(), "series");
-        double worst = 0.0;
-        for (int i = 0; i <= 200; ++i) {  // between the points, too
-          const double t = end_s * i / 200.0, off = distance(motion.at(t), truth.at(t));
-          worst = off <= worst ? worst : off;
+        for (const std::string_view method : {"series", "dormand-prince"}) {
+          const TorquedMotion motion(body, torques, {tolerance, std::min(0.0, end_s), std::max(0.0, end_s), method});
+          // Beside the middle axis roundings in double grow to more than 1e-9.
+          EXPECT_TRUE(motion.outcome() == Outcome::done || (method == "dormand-prince" && motion.error_rad() > 1e-9))
+              << b.name << " by " << method;
+          double worst = 0.0;
+          for (int i = 0; i <= 200; ++i) {  // between the points, too
+            const double t = end_s * i / 200.0, off = distance(motion.at(t), truth.at(t));
+            worst = off <= worst ? worst : off;
+          }
+          const double promised_rad = motion.outcome() == Outcome::done ? tolerance : motion.error_rad();
+          EXPECT_LE(worst, promised_rad) << b.name << " to " << end_s << " s at " << tolerance << " by " << method;
         }
-        EXPECT_LE(worst, tolerance) << b.name << " to " << end_s << " s at " << tolerance;
       }
     }
   }
@@ -338,7 +339,7 @@ TEST(TorquedMotion, FollowsEveryKindOfBodyAtAnyTime) {
 
 // Control.
 
-TEST(TorquedMotion, BothMethodsAgreeWithinTheTolerance) {
+TEST(TorquedMotion, IsWithinTheTolerance) {
   const FreeBody body = satellite({0.002, 0.001, 0.006});
   const Torques torques = gravity(0.3);
   const State truth = reference(body, torques, 20000.0);
@@ -353,13 +354,13 @@ TEST(TorquedMotion, BothMethodsAgreeWithinTheTolerance) {
 TEST(TorquedMotion, BetweenStepsIsAsGoodAsAtTheirEnds) {
   const FreeBody body = satellite();
   const TorquedMotion motion(body, gravity(0.1), {1e-8, -3000.0, 3000.0});
-  const TorquedMotion exact(body, gravity(0.1), {1e-12, -3000.0, 3000.0, "extrapolation"});
+  const ExtrapolatedMotion exact(body, gravity(0.1), {1e-12, -3000.0, 3000.0});
   for (double t = -3000.0; t <= 3000.0; t += 7.3) {
     EXPECT_LT(rotation_angle_rad(motion.at(t).q_inertial_from_body, exact.at(t).q_inertial_from_body), 1e-8) << t;
   }
 }
 
-/// Whatever is tried in turn, all evaluations together count; a step is finished.
+/// All runs together count; a step is finished.
 TEST(TorquedMotion, KeepsToTheLimitOfEvaluations) {
   constexpr std::size_t window = 400;
   for (const double part : {0.01, 1.0, 100.0}) {
@@ -382,7 +383,7 @@ TEST(TorquedMotion, KeepsToTheLimitOfEvaluations) {
 /// A pulse divides a way into legs; those that were not begun are not reached.
 TEST(TorquedMotion, StopsWhereItWasStopped) {
   const Torques pulsed({gravity().list()[0], ThrusterPulse{5e4, 10.0, {1e-3, 0, 0}}});
-  for (const std::string_view name : {"auto", "near-10-6-4", "extrapolation"}) {
+  for (const std::string_view name : {"series", "dormand-prince"}) {
     TorquedOptions few = by(name, {1e-9, -1e5, 1e5});
     few.max_torque_evaluations = 3000;
     const TorquedMotion stopped(satellite(), pulsed, few);
@@ -397,7 +398,7 @@ TEST(TorquedMotion, StopsWhereItWasStopped) {
 /// A spin that is damped for so long that nothing of its momentum is left.
 TEST(TorquedMotion, DampingMayTakeAllMomentum) {
   const FreeBody body = satellite();
-  for (const std::string_view name : {"auto", "near-10-6-4"}) {
+  for (const std::string_view name : {"series", "dormand-prince"}) {
     TorquedOptions options = by(name, {1e-6, 0.0, 0.0});
     options.last_s = 400.0 * body.principal_moments[2];
     const TorquedMotion motion(body, Torques({LinearDamping{Vector3::Ones()}}), options);
@@ -418,7 +419,7 @@ TEST(TorquedMotion, SaysWhenItStopsOrCannotReachTheTolerance) {
   EXPECT_TRUE(stopped.at(0.5 * stopped.last_s()).momentum_body.allFinite());
   EXPECT_THROW(stopped.at(1e5), InputError);
   // Doubles cannot give 1e-15 over a hundred turns, and this method must not claim it.
-  const TorquedMotion rounding(body, gravity(), by("near-10-6-4", {1e-15, 0.0, 2e4}));
+  const TorquedMotion rounding(body, gravity(), by("dormand-prince", {1e-15, 0.0, 2e4}));
   EXPECT_EQ(rounding.outcome(), Outcome::tolerance_not_reachable);
   EXPECT_GT(rounding.error_rad(), 1e-15);
   EXPECT_TRUE(rounding.at(2e4).momentum_body.allFinite());
@@ -431,11 +432,11 @@ TEST(TorquedMotion, RefusesWrongOptions) {
   EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 1.0, 2.0}), InputError);
   EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, INFINITY}), InputError);
   EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, 1.0, "rk4"}), InputError);
-  EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, 1.0, "strang"}), InputError);  // a scheme is no name
+  EXPECT_THROW(TorquedMotion(body, gravity(), {1e-9, 0.0, 1.0, "strang"}), InputError);  // a scheme is none
 }
 
 TEST(TorquedMotion, GoesOnForAsLongAsTimeScalesDiffer) {
-  for (const std::string_view method : {"series", "extrapolation-double", "near-8-4"}) {
+  for (const std::string_view method : {"series", "dormand-prince"}) {
     for (const double last_s : {3000.0, 0.0}) {
       const TorquedMotion motion(satellite(), gravity(), by(method, {1e-9, last_s - 3000.0, last_s}));
       const TorquedMotion longer(satellite(), gravity(), by(method, {1e-9, last_s - 3001.0, last_s + 1.0}));
@@ -488,13 +489,13 @@ TEST(Torqued, FacetsPromiseWhatTheirKinksLetThemReach) {
   constexpr double last_s = 20000.0;
 #ifdef NDEBUG
   const std::vector<double> tolerances_rad{1e-4, 1e-5, 3e-6};
-  const double finest_rad = 1e-8;
+  const double finest_rad = 1e-13;
 #else  // for its time
   const std::vector<double> tolerances_rad{1e-3, 1e-4};
-  const double finest_rad = 3e-6;
+  const double finest_rad = 1e-6;
 #endif
-  const TorquedMotion truth(body, torques, {finest_rad, 0.0, last_s, "extrapolation-double"});
-  ASSERT_LT(truth.error_rad(), 10.0 * finest_rad);
+  const ExtrapolatedMotion truth(body, torques, {finest_rad, 0.0, last_s});
+  ASSERT_LT(truth.error_rad(), 0.1 * tolerances_rad.back());
   for (const double tolerance_rad : tolerances_rad) {
     const TorquedMotion motion(body, torques, {tolerance_rad, 0.0, last_s});
     double worst = 0.0;
@@ -503,8 +504,8 @@ TEST(Torqued, FacetsPromiseWhatTheirKinksLetThemReach) {
       worst =
           std::max(worst, rotation_angle_rad(motion.at(t_s).q_inertial_from_body, truth.at(t_s).q_inertial_from_body));
     }
-    std::printf("facets to %g rad: %s, off by %.1e, two runs differ by %.1e\n", tolerance_rad,
-                std::string(outcome_name(motion.outcome())).c_str(), worst, 0.25 * motion.error_rad());
+    std::printf("facets to %g rad: %s, off by %.1e, error said to be %.1e\n", tolerance_rad,
+                std::string(outcome_name(motion.outcome())).c_str(), worst, motion.error_rad());
     EXPECT_LE(worst, motion.error_rad() + truth.error_rad());
     ASSERT_EQ(motion.outcome(), Outcome::done);
     EXPECT_LE(worst, tolerance_rad + truth.error_rad());

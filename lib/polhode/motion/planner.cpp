@@ -32,7 +32,6 @@ struct TrialTuning {
   static constexpr double steady = 1.3;                   // by what factor distances may change over the span
   static constexpr double agree = 1.25;                   // by what factor the costs per time of the two may differ
   static constexpr double error_margin = 0.05;            // of the tolerance, that the error of a part may take
-  static constexpr double near_rounding = 0.02;  // of the tolerance: more rounding changes the method on the way
 };
 
 constexpr double kMostPushes = 2e6;          // steps in which the bound of a torque is summed: a second or two
@@ -207,13 +206,9 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
   const double shortest = std::min(1.0, std::max(TrialTuning::shorter, least_s / span_s));
   double longest = shortest * TrialTuning::longer / TrialTuning::shorter;
   if (longest > TrialTuning::most_of_span) longest = 1.0;
-  // (Of series it does not change the method.)
-  const double rounding_rad =
-      SeriesMotion::serves(plan.kept) ? 0.0 : rounding_of_doubles_rad(rate_rad_s * std::max(last_s, -first_s));
   bool needs_more = false;
   const auto trial = [&](double share) {
     TorquedOptions options{plan.tolerance_rad, share * first_s, share * last_s};
-    if (rounding_rad > plan.tolerance_rad) options.method = "extrapolation";  // as the whole span will
     options.max_torque_evaluations = most;
     const TorquedMotion motion(body, plan.kept, options);
     needs_more = motion.error_rad() > TrialTuning::error_margin * longest * plan.tolerance_rad;
@@ -240,10 +235,6 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
       fmt::format("a trial over {} took {} torque evaluations, but ", part, second.torque_evaluations);
   if (unsteadiness(plan.kept, first_s, last_s) > TrialTuning::steady || !plan.kept.jumps_s().empty()) {
     plan.cost_why = at_least + "the surroundings change over the span";
-    return;
-  }
-  if (rounding_rad > TrialTuning::near_rounding * plan.tolerance_rad && rounding_rad <= plan.tolerance_rad) {
-    plan.cost_why = at_least + "rounding may want long double over the whole span";
     return;
   }
   if (needs_more) {
@@ -395,8 +386,9 @@ PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double firs
     }
     if (motion->outcome() != Outcome::done) {
       throw ComputationError(
-          fmt::format("the planned accuracy is not reached: two runs agree to {:.1e} rad, {:.1e} rad was planned for "
-                      "them{}; ask for "
+          fmt::format("the planned accuracy is not reached: the estimated error of the propagation is {:.1e} rad, "
+                      "{:.1e} rad was planned for "
+                      "it{}; ask for "
                       "less accuracy or a shorter span",
                       motion->error_rad(), plan.tolerance_rad,
                       plan.kept.smooth() ? "" : " (facets that come into the light make kinks)"));

@@ -32,8 +32,8 @@ class SeriesMotion final : public Motion {
   double first_s() const { return first_s_; }  ///< reached
   double last_s() const { return last_s_; }
   std::size_t steps() const;
-  std::size_t coefficients() const { return coefficients_; }            ///< of all runs
-  std::size_t kept_coefficients() const { return kept_coefficients_; }  ///< of the run that is kept
+  std::size_t evaluations() const { return coefficients_; }            ///< coefficients of series, of all runs
+  std::size_t kept_evaluations() const { return kept_coefficients_; }  ///< of the run that is kept
 
  private:
   struct Leg;     // between two jumps of the torques

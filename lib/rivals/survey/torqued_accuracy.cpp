@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "polhode/motion/extrapolation.hpp"
 #include "polhode/motion/torqued_motion.hpp"
+#include "rivals/extrapolated_motion.hpp"
 #include "rivals/torqued_methods.hpp"
 
 namespace polhode::survey {
@@ -19,16 +19,6 @@ constexpr int loosest = 4, tightest = 32;  // tolerances, in half decades
 constexpr double longest_torqued_step_turns = 1.0, longest_torqued_step_turns_without_kernel = 1.0 / 8.0;
 constexpr double runs_of_torqued_motion = 10.0;  // to choose steps, to tell the error, in long double: at the most
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-/// The torque evaluations that TorquedMotion does not count: of a state between the ends of its steps.
-double evaluations_of_an_answer(std::string_view method, const TorquedSubject& subject) {
-  if (!method.starts_with("extrapolation")) return 0.0;
-  const Torques torques =
-      subject.torques.in_principal_axes(subject.body.named_from_principal).during(0.5 * subject.span_s);
-  Extrapolation<long double> extrapolation(subject.body.principal_moments, torques);
-  extrapolation.step(0.0L, {}, 1.0L);
-  return static_cast<double>(extrapolation.torque_evaluations());
-}
 
 /// Instants and what is true there.
 struct Examination {
@@ -78,10 +68,6 @@ TorquedRow measured(const Examination& e, std::string_view method, double tolera
       return;
     }
     motion.batch({e.times_s}, out);
-    const double answers =
-        static_cast<double>(e.times_s.size() - 1) * evaluations_of_an_answer(motion.method(), e.subject);
-    r.evaluations += answers;
-    r.kept_evaluations += answers;
   });
   row.tolerance = tolerance;
   return row;
@@ -166,15 +152,17 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
   TorquedAccuracy result;
   if (told) told("reference");
   const double most_of_reference = std::max(runs_of_reference * most_evaluations, least_evaluations_of_reference);
-  const TorquedMotion reference(subject.body, subject.torques,
-                                {.tolerance_rad = reference_tolerance_rad,
-                                 .first_s = std::min(0.0, subject.span_s),
-                                 .last_s = std::max(0.0, subject.span_s),
-                                 .method = "extrapolation",
-                                 .max_torque_evaluations = static_cast<std::size_t>(most_of_reference)});
-  result.reference = {reference_tolerance_rad, reference.error_rad(), outcome_name(reference.outcome()),
+  const rivals::ExtrapolatedMotion reference(subject.body, subject.torques,
+                                             {.tolerance_rad = reference_tolerance_rad,
+                                              .first_s = std::min(0.0, subject.span_s),
+                                              .last_s = std::max(0.0, subject.span_s),
+                                              .most_evaluations = static_cast<std::size_t>(most_of_reference)});
+  const Outcome outcome = !reference.whole()                                 ? Outcome::stopped
+                          : reference.error_rad() <= reference_tolerance_rad ? Outcome::done
+                                                                             : Outcome::tolerance_not_reachable;
+  result.reference = {reference_tolerance_rad, reference.error_rad(), outcome_name(outcome),
                       reference.torque_evaluations()};
-  if (reference.outcome() == Outcome::stopped) return result;
+  if (outcome == Outcome::stopped) return result;
 
   std::vector<double> all;
   for (int i = 1; i <= instants; ++i) all.push_back(subject.span_s * i / instants);

@@ -33,7 +33,8 @@ struct TorquedRow {
   double time_ns = 0.0;           ///< of the processor, one thread, the least of several runs
 };
 
-/// What the methods are measured against: TorquedMotion by extrapolation in long double, to a far tighter tolerance.
+/// What the methods are measured against: extrapolation in long double (ExtrapolatedMotion), to a far tighter
+/// tolerance.
 struct TorquedReference {
   double tolerance_rad = 0.0;
   double error_rad = 0.0;  ///< its own estimate
