@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
-#include "polhode/motion/dormand_prince.hpp"
-#include "polhode/motion/edge_corrections.hpp"
+#include "polhode/motion/values/dormand_prince.hpp"
+#include "polhode/motion/values/edge_corrections.hpp"
 #include "polhode/motion/theta.hpp"
 #include "support/truth.hpp"
 

@@ -1,24 +1,24 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include "polhode/motion/motion.hpp"
 #include "polhode/torque/torques.hpp"
-#include "polhode/torque/trajectory_pieces.hpp"
 
 namespace polhode {
 
 /// The motion of a rigid body under torques of which nothing but values is known (facets in sunlight, say), by steps of
-/// Dormand and Prince's method of order 8 (dormand_prince.hpp), from t = 0 both ways. Unknowns are the angular momentum
-/// in inertial axes and the attitude, and where the torques are small beside the inertia forces what takes the place of
-/// the energy, to which the attitude is set after every step: slow ones, so that errors of a step add up in the phase,
-/// but not in the rate.
+/// Dormand and Prince's method of order 8 (values/dormand_prince.hpp), from t = 0 both ways. Unknowns are the angular
+/// momentum in inertial axes and the attitude, and where the torques are small beside the inertia forces what takes the
+/// place of the energy, to which the attitude is set after every step: slow ones, so that errors of a step add up in
+/// the phase, but not in the rate.
 ///
 /// Every run chooses its steps by the estimate of their error. The span is run again with finer steps, from a start a
 /// rounding aside, until two runs agree well enough: error_rad() is what their difference leaves to fear of the finer
-/// one, which is kept (value_motion.cpp has the figures). Where the torques have kinks (Torques::smooth()), at which no
-/// order of a method holds, error_rad() is four times the difference.
+/// one, which is kept (values/builder.hpp has the figures). Where the torques have kinks (Torques::smooth()), at which
+/// no order of a method holds, error_rad() is four times the difference.
 class ValueMotion final : public Motion {
  public:
   struct Options {
@@ -43,17 +43,8 @@ class ValueMotion final : public Motion {
   std::size_t kept_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
 
  private:
-  struct Node {
-    double t_s;
-    double momentum_inertial[3];
-    double q[4];  // x, y, z, w
-  };
-  /// Between two jumps of the torques, away from t = 0.
-  struct Leg {
-    Torques torques;
-    std::vector<TrajectoryPieces> ways;  // of torques.trajectories()
-    std::vector<Node> nodes;
-  };
+  struct Node;                    // a step's end
+  struct Leg;                     // between two jumps of the torques, away from t = 0
   using Path = std::vector<Leg>;  // one direction
   class Rates;
   class Builder;
@@ -66,7 +57,7 @@ class ValueMotion final : public Motion {
   Place place(double t_s, const Place& before) const;
 
   Vector3 moments_;
-  Path forward_, backward_;
+  std::shared_ptr<const Path> forward_, backward_;
   double first_s_ = 0.0, last_s_ = 0.0;
   bool whole_ = true;
   double error_rad_ = 0.0;

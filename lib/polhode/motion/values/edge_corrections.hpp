@@ -4,7 +4,7 @@
 #include <array>
 #include <vector>
 
-#include "polhode/motion/dormand_prince.hpp"
+#include "polhode/motion/values/dormand_prince.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {

@@ -1,4 +1,4 @@
-#include "polhode/motion/edge_corrections.hpp"
+#include "polhode/motion/values/edge_corrections.hpp"
 
 #include <algorithm>
 #include <cmath>
