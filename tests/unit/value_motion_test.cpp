@@ -13,6 +13,7 @@
 #include "polhode/motion/values/dormand_prince.hpp"
 #include "polhode/motion/values/edge_corrections.hpp"
 #include "polhode/motion/theta.hpp"
+#include "polhode/torque/trajectory_pieces.hpp"
 #include "support/truth.hpp"
 
 namespace polhode {
