@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/body/invariants.hpp"
@@ -333,7 +334,7 @@ void add_info(CLI::App& app) {
     Page page;
     Json all = Json::array();
     for (const std::string& file : options->files) {
-      const Report report = report_on(file);
+      const Report report = in_file(file, [&] { return report_on(file); });
       if (options->as_json) {
         all.push_back(json(report));
       } else {

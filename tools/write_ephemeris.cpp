@@ -12,6 +12,7 @@
 #include <system_error>
 #include <utility>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/write/aem.hpp"
@@ -39,17 +40,21 @@ template <bool xml>
 void write_message(const OutputOptions& options, std::span<const Ephemeris> segments, const Progress& progress) {
   AemOptions aem;
   aem.xml = xml;
-  if (!options.adm.empty()) aem.version = adm_version(options.adm);
+  if (!options.adm.empty()) aem.version = in_option("--adm", [&] { return adm_version(options.adm); });
   aem.type = aem.version == AdmVersion::v1 ? AemType::quaternion : AemType::quaternion_angular_velocity;
-  if (!options.attitude_type.empty()) aem.type = aem_type(options.attitude_type);
-  aem.euler_sequence = EulerSequence(options.euler_sequence.empty() ? "ZXZ" : options.euler_sequence);
+  if (!options.attitude_type.empty()) {
+    aem.type = in_option("--attitude-type", [&] { return aem_type(options.attitude_type); });
+  }
+  if (!options.euler_sequence.empty()) {
+    aem.euler_sequence = in_option("--euler-sequence", [&] { return EulerSequence(options.euler_sequence); });
+  }
   const bool has_angles = aem.type == AemType::euler_angle || aem.type == AemType::euler_angle_derivative ||
                           aem.type == AemType::euler_angle_angular_velocity;
   if (!has_angles && !options.euler_sequence.empty()) {
-    throw InputError("--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
+    throw OptionError("--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
   }
   if (options.promises_interpolation && has_angles) {
-    throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
+    throw OptionError("--tolerance is promised for quaternions; take another --attitude-type or --step");
   }
   write_aem(path_of(options), segments, aem, progress);
 }
@@ -125,25 +130,25 @@ const EphemerisFormat& format_of(const OutputOptions& options) {
     }
   }
   if (!options.format.empty()) {
-    throw InputError(
+    throw OptionError(
         fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format, endings()));
   }
-  throw InputError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
-                               options.path, endings()));
+  throw OptionError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
+                                options.path, endings()));
 }
 
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format) {
   if (options.momentum && !format.has_momentum) {
-    throw InputError(fmt::format("--momentum is for {}: {} holds no angular momentum",
-                                 endings(&EphemerisFormat::has_momentum), format.name));
+    throw OptionError(fmt::format("--momentum is for {}: {} holds no angular momentum",
+                                  endings(&EphemerisFormat::has_momentum), format.name));
   }
   if (format.is_message) return;
   for (const auto& [option, value] :
        {std::pair("--adm", &options.adm), std::pair("--attitude-type", &options.attitude_type),
         std::pair("--euler-sequence", &options.euler_sequence)}) {
     if (!value->empty()) {
-      throw InputError(fmt::format("{} is for {}; {} is {}", option, endings(&EphemerisFormat::is_message),
-                                   options.path, format.name));
+      throw OptionError(fmt::format("{} is for {}; {} is {}", option, endings(&EphemerisFormat::is_message),
+                                    options.path, format.name));
     }
   }
 }
@@ -154,7 +159,7 @@ void refuse_overwriting(const OutputOptions& options, std::span<const std::strin
   if (options.path == "-" || !fs::is_regular_file(options.path, absent)) return;
   for (const std::string& input : inputs) {
     if (fs::equivalent(options.path, input, absent) && !absent) {
-      throw InputError(
+      throw OptionError(
           fmt::format("--output {} is the file {} that is read; another name is wanted", options.path, input));
     }
   }

@@ -23,9 +23,18 @@ struct SourceLocation {
 /// allowed; what() puts `file:line: ` before it where they are known.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+  explicit InputError(const std::string& message) : std::runtime_error(message), message_(message) {}
   InputError(const SourceLocation& where, const std::string& message)
-      : std::runtime_error(where.text() + ": " + message) {}
+      : std::runtime_error(where.text() + ": " + message), where_(where), message_(message) {}
+
+  /// Where it is known; else no file and line 0.
+  const SourceLocation& where() const { return where_; }
+  /// what() without the place.
+  const std::string& message() const { return message_; }
+
+ private:
+  SourceLocation where_;
+  std::string message_;
 };
 
 /// The rows of a file are asked for in a time scale that its format does not have.
