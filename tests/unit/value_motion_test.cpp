@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/theta.hpp"
 #include "polhode/motion/values/dormand_prince.hpp"
 #include "polhode/motion/values/edge_corrections.hpp"
-#include "polhode/motion/theta.hpp"
 #include "polhode/torque/trajectory_pieces.hpp"
 #include "support/truth.hpp"
 
