@@ -346,7 +346,7 @@ def test_every_message_names_a_file_or_an_option(tmp_path):
     for command, origin in [
         (("chart", "speed-accuracy", still, *out), f"{still}: the body is at rest"),
         (("chart", "torqued", TOUTATIS, *out), f"{TOUTATIS}: "),
-        (("eval", TORQUED, "--step", "1"), f"{TORQUED}: --step is for free motion"),
+        (("eval", TORQUED, "--step", "1"), "--step is for methods of fixed step"),
         (("bench", CASE, "9", "--tolerance", "1e-9"), f"{CASE}: --tolerance is for motion under torques"),
         (("propagate", TOUTATIS, *out, "--stop", "-1 d", "--count", "3"), "--stop: stop is not after start"),
         (("propagate", TOUTATIS, *out, "--times", "2000-01-01 TDB,tomorrow"), "--times: 'tomorrow' is not a date"),
