@@ -17,11 +17,17 @@ void shape_of(const double (&moments)[3], double (&kappa)[3]) {
   }
 }
 
-/// The columns; those of m by R off the diagonal, or by sigma, with the ratio m_k / m_k(0) in the place of c_k for
-/// those components for which it is said.
+/// How the columns are made.
+struct ColumnForm {
+  bool by_r = false;                   ///< off the diagonal, of m: by R, or else by sigma
+  bool by_ratio[3] = {};               ///< for which components c_k is the ratio m_k / m_k(0)
+  double m_sign[3] = {1.0, 1.0, 1.0};  ///< from the canonical m_k, already in the body's order, to the body's
+  double r_sign[3] = {1.0, 1.0, 1.0};  ///< the same of R_k
+};
+
 template <class Real>
-void build_partials_frame(const Input& in, int moment_exponent, int momentum_exponent, bool by_r,
-                          const bool (&by_ratio)[3], PartialsFrame& f) {
+void build_partials_frame(const Input& in, int moment_exponent, int momentum_exponent, const ColumnForm& form,
+                          PartialsFrame& f) {
   double moments[3], m[3], kappa[3], j[3];
   for (int k = 0; k < 3; ++k) {
     moments[k] = ldexp(in.moments[k], -moment_exponent);
@@ -29,6 +35,7 @@ void build_partials_frame(const Input& in, int moment_exponent, int momentum_exp
     j[k] = 1.0 / moments[k];
   }
   shape_of<Real>(moments, kappa);
+  f = {};
   f.time_scale = ldexp(1.0, momentum_exponent - moment_exponent);
   f.momentum_scale = ldexp(1.0, -momentum_exponent);
   const Quaternion4<Real> q0 = initial_attitude<Real>(in);
@@ -41,26 +48,34 @@ void build_partials_frame(const Input& in, int moment_exponent, int momentum_exp
   const double d2 = -nearest(delta2_i1_i3<Real>(moments, i2 - i1, i3 - i2, m[0], m[2]) / (i1 * i2 * i3));
   for (int l = 0; l < 3; ++l) {
     const int next = (l + 1) % 3, last = (l + 2) % 3;
-    f.m_over_g2[l] = m[l] * over_g2;
+    const double m_over_g2 = m[l] * over_g2;
     // D_l = 2 T - G^2 / I_l = sum of (1/I_k - 1/I_l) m_k^2
     const double d = l == 1 ? d2 : kappa[last] * m[next] * m[next] - kappa[next] * m[last] * m[last];
-    f.rate[l][0] = j[l] * f.m_over_g2[l];
-    f.even[l][0] = 0.0;
-    f.odd[l][0] = at_rest ? j[l] * f.momentum_scale : -d * over_g2;
+    f.turn[next][l] = m[last] * over_g2;
+    f.turn[last][l] = -m[next] * over_g2;
+    f.of_tm[l][l] = j[l] * m_over_g2;
+    f.of_sigma[l][l] = at_rest ? j[l] * f.momentum_scale : -d * over_g2;
     for (int i = 1; i < 3; ++i) {
       const int k = (l + i) % 3, other = (l + 3 - i) % 3;
       const double sign = i == 1 ? -1.0 : 1.0;
-      f.even[l][i] = sign * m[other] * over_g2;
-      if (by_r) {
-        f.rate[l][i] = j[l] * f.m_over_g2[l];
-        f.odd[l][i] = -sign * kappa[other] * kappa[k] * f.m_over_g2[l];
+      f.of_c[k][l] = sign * m[other] * over_g2;
+      if (form.by_r) {
+        f.of_tm[k][l] = j[l] * m_over_g2;
+        f.of_r[k][l] = -sign * kappa[other] * kappa[k] * m_over_g2;
       } else {
-        f.rate[l][i] = j[k] * f.m_over_g2[l];
-        f.odd[l][i] = by_ratio[k] ? -f.m_over_g2[l] * d / m[k] : sign * kappa[other] * m[l] * m[k] * over_g2;
+        f.of_tm[k][l] = j[k] * m_over_g2;
+        f.of_sigma[k][l] = form.by_ratio[k] ? -m_over_g2 * d / m[k] : sign * kappa[other] * m[l] * m[k] * over_g2;
       }
     }
-    f.stretching[l] = -ldexp(j[l] * j[l], -moment_exponent);
-    f.turning[l] = -0.5 * kappa[l] * f.stretching[l];
+    const double by_moment = -ldexp(j[l] * j[l], -moment_exponent);  // d(1/I_l)/dI_l
+    f.of_tm[l][3 + l] = by_moment;
+    for (int k = 0; k < 3; ++k) f.of_r[k][3 + l] = -0.5 * kappa[l] * by_moment;
+  }
+  for (int k = 0; k < 3; ++k) {
+    for (int column = 0; column < 6; ++column) {
+      f.of_tm[k][column] *= form.m_sign[k];
+      f.of_r[k][column] *= form.r_sign[k];
+    }
   }
 }
 
@@ -290,24 +305,25 @@ void build_with_partials(const Input& in, Solution& out, PartialsSolution& parti
 
     void operator()(int moment_exponent, int momentum_exponent) const {
       partials = {};
-      build_partials_frame<Real>(in, moment_exponent, momentum_exponent, false, {}, partials.frame);
+      build_partials_frame<Real>(in, moment_exponent, momentum_exponent, {}, partials.frame);
       build_fixed_axis_partials<Real>(in, moment_exponent, momentum_exponent, partials);
     }
     void operator()(int moment_exponent, int momentum_exponent, const Canonical<Real>& c, const Common<Real>& s) const {
       partials = {};
       const CanonicalPartials p = canonical_partials(c, nearest(s.lambda));
       partials.exchange_1_3 = c.long_axis_mode;
-      for (int k = 0; k < 3; ++k) {
-        partials.sign[k] = c.sign[k];
-        partials.r_sign[c.long_axis_mode ? 2 - k : k] = c.long_axis_mode ? -c.sign[k] : c.sign[k];
-      }
       const bool fourier = solution.chart == Chart::fourier;
       // Beside the separatrix D_2 is small, and so is what m_2 does: then by ratios, unless m_1 is small as well.
       const bool ratio_1 = __builtin_fabs(p.d2) < __builtin_fabs(p.kappa[2]) * p.m[0] * p.m[0];
-      const int first = c.long_axis_mode ? 2 : 0;
-      bool by_ratio[3] = {true, false, true};
-      by_ratio[first] = ratio_1;
-      build_partials_frame<Real>(in, moment_exponent, momentum_exponent, fourier, by_ratio, partials.frame);
+      ColumnForm form;
+      form.by_r = fourier;
+      for (int k = 0; k < 3; ++k) {
+        const int own = c.long_axis_mode ? 2 - k : k;  // the body's component
+        partials.sign[k] = form.m_sign[own] = c.sign[k];
+        form.r_sign[own] = c.long_axis_mode ? -c.sign[k] : c.sign[k];
+        form.by_ratio[own] = k == 2 || (k == 0 && ratio_1);
+      }
+      build_partials_frame<Real>(in, moment_exponent, momentum_exponent, form, partials.frame);
       if (fourier) {
         partials.fourier = {};
         build_fourier_partials(p, s, solution.fourier.v_quarters_per_s, partials.frame.time_scale, partials.fourier);

@@ -7,18 +7,15 @@ namespace polhode::theta {
 // The constants of the partial derivatives at an instant (partials.md in the folder above). All in units in which the
 // largest moment and momentum are near 1: time, momentum and moments are scaled by powers of two, exactly.
 
-/// What every body has, in its own axes; the columns in the units of the caller.
+/// What every body has, in its own axes; the columns, of m_1 to m_3 and I_1 to I_3, in the units of the caller.
 struct PartialsFrame {
   double time_scale;      ///< t in our units = time_scale t
   double momentum_scale;  ///< m in our units = momentum_scale m
   double q0[4];           ///< attitude at t = 0, normalised, scalar first
-  // Of the column of m_l and the row k, for k = l, l + 1, l + 2: theta_k = rate t m_k + even c_k + odd w_k, and a turn.
-  double m_over_g2[3];
-  double rate[3][3];
-  double even[3][3];
-  double odd[3][3];      ///< w = sigma for k = l; elsewhere R in the first chart and sigma in the others
-  double turning[3];     ///< kappa_l / (2 I_l^2)
-  double stretching[3];  ///< -1 / I_l^2
+  /// theta_k = (row k of the body's turn) turn + t m_k of_tm[k] + c_k of_c[k] + sigma_k of_sigma[k] + R_k of_r[k],
+  /// where m_k and R_k have the signs that they have in canonical axes.
+  double turn[3][6];
+  double of_tm[3][6], of_c[3][6], of_sigma[3][6], of_r[3][6];
 };
 
 /// Momentum constant in the body: sigma'' = h sigma, with h = 0, -rate^2 or rate^2 for two components, or none.
@@ -81,9 +78,8 @@ struct PartialsSolution {
     FourierPartials fourier;
     HyperbolicPartials hyperbolic;
   };
-  bool exchange_1_3 = false;           ///< canonical components 1 and 3 are the body's 3 and 1
-  double sign[3] = {1.0, 1.0, 1.0};    ///< canonical component k is sign[k] times the body's, after the exchange
-  double r_sign[3] = {1.0, 1.0, 1.0};  ///< from R_k in canonical axes to the body's, before the exchange
+  bool exchange_1_3 = false;         ///< canonical components 1 and 3 are the body's 3 and 1
+  double sign[3] = {1.0, 1.0, 1.0};  ///< canonical component k is sign[k] times the body's, after the exchange
 };
 
 }  // namespace polhode::theta

@@ -89,7 +89,6 @@ template <class V>
 }
 
 struct FixedAxisPartialsAt {
-  static constexpr bool by_r = false;  // off the diagonal
   const PartialsSolution& p;
 
   template <class V>
@@ -125,7 +124,6 @@ struct FixedAxisPartialsAt {
 };
 
 struct FourierPartialsAt {
-  static constexpr bool by_r = true;  // off the diagonal
   const PartialsSolution& p;
 
   template <class V>
@@ -183,7 +181,6 @@ struct FourierPartialsAt {
 };
 
 struct HyperbolicPartialsAt {
-  static constexpr bool by_r = false;  // off the diagonal
   const PartialsSolution& p;
   const HyperbolicChart& chart;
 
@@ -291,18 +288,11 @@ struct HyperbolicPartialsAt {
 };
 
 /// The matrix, row by row, from the state and the fundamental functions.
-template <bool by_r, class V>
+template <class V>
 [[gnu::always_inline]] inline void matrix(const PartialsSolution& p, V t, const V (&q)[4], const V (&m)[3],
                                           const Fundamental<V>& canonical, V (&out)[54]) {
   const PartialsFrame& f = p.frame;
-  const int first = p.exchange_1_3 ? 2 : 0, third = 2 - first;
-  const V tm[3] = {t * (canonical.m[first] * p.sign[first]), t * (canonical.m[1] * p.sign[1]),
-                   t * (canonical.m[third] * p.sign[third])};
-  const V sigma[3] = {canonical.sigma[first], canonical.sigma[1], canonical.sigma[third]};
-  const V c[3] = {canonical.c[first], canonical.c[1], canonical.c[third]};
-  const V r[3] = {canonical.r[first] * p.r_sign[0], canonical.r[1] * p.r_sign[1], canonical.r[third] * p.r_sign[2]};
-
-  // The body's turn from t to 0 as a matrix U: components at 0 to components at t. w + x i + ... = conj(q) q0
+  // The body's turn from t to 0 as a matrix: components at 0 to components at t. w + u_1 i + ... = conj(q) q0
   const V w = multiply_add(q[0], all<V>(f.q0[0]),
                            multiply_add(q[1], all<V>(f.q0[1]), multiply_add(q[2], all<V>(f.q0[2]), q[3] * f.q0[3])));
   V u[3];
@@ -319,38 +309,33 @@ template <bool by_r, class V>
     turn[k][i] = multiply_add(twice, u[i], -wj);
     turn[i][k] = multiply_add(twice, u[i], wj);
   }
-  // turn of the attitude at t = 0
-  for (int row = 0; row < 3; ++row) {
+  V theta[3][6];
+  for (int k = 0; k < 3; ++k) {
+    const int own = k == 1 || !p.exchange_1_3 ? k : 2 - k;
+    const V tm = t * canonical.m[own], c = canonical.c[own], sigma = canonical.sigma[own], r = canonical.r[own];
+    for (int column = 0; column < 6; ++column) {
+      V sum = r * f.of_r[k][column];
+      sum = multiply_add(sigma, all<V>(f.of_sigma[k][column]), sum);
+      if (column < 3) {
+        sum = multiply_add(c, all<V>(f.of_c[k][column]), sum);
+        for (int i = 0; i < 3; ++i) sum = multiply_add(turn[k][i], all<V>(f.turn[i][column]), sum);
+      }
+      theta[k][column] = multiply_add(tm, all<V>(f.of_tm[k][column]), sum);
+    }
+  }
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
     for (int l = 0; l < 3; ++l) {
-      out[9 * row + l] = turn[row][l];
-      out[9 * (row + 3) + l] = V{};
+      out[9 * k + l] = turn[k][l];
+      out[9 * (k + 3) + l] = V{};
     }
-  }
-  const auto finish = [&](int column, const V(&theta)[3], bool of_momentum) {
-    for (int k = 0; k < 3; ++k) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      out[9 * k + column] = theta[k];
-      // dm = U e_l - theta x m
-      const V base = of_momentum ? multiply_add(theta[j], m[i], turn[k][column - 3]) : theta[j] * m[i];
-      out[9 * (k + 3) + column] = minus_product(theta[i], m[j], base);
+    for (int column = 0; column < 6; ++column) {
+      out[9 * k + 3 + column] = theta[k][column];
+      // dm = (turn of dm at 0) - theta x m
+      V dm = minus_product(theta[i][column], m[j], theta[j][column] * m[i]);
+      if (column < 3) dm = dm + turn[k][column];
+      out[9 * (k + 3) + 3 + column] = dm;
     }
-  };
-  for (int l = 0; l < 3; ++l) {
-    V theta[3];
-    for (int i = 0; i < 3; ++i) {
-      const int k = (l + i) % 3, next = (l + 1) % 3, last = (l + 2) % 3;
-      const V odd = by_r && i > 0 ? r[k] : sigma[k];
-      V sum = minus_product(all<V>(f.m_over_g2[next]), turn[k][last], turn[k][next] * f.m_over_g2[last]);
-      if (i > 0) sum = multiply_add(c[k], all<V>(f.even[l][i]), sum);
-      theta[k] = multiply_add(tm[k], all<V>(f.rate[l][i]), multiply_add(odd, all<V>(f.odd[l][i]), sum));
-    }
-    finish(3 + l, theta, true);
-  }
-  for (int l = 0; l < 3; ++l) {
-    V theta[3];
-    for (int k = 0; k < 3; ++k) theta[k] = r[k] * f.turning[l];
-    theta[l] = multiply_add(tm[l], all<V>(f.stretching[l]), theta[l]);
-    finish(6 + l, theta, false);
   }
 }
 
@@ -363,7 +348,7 @@ template <class V, class PartialsAt>
   const V m_ours[3] = {m[0] * p.frame.momentum_scale, m[1] * p.frame.momentum_scale, m[2] * p.frame.momentum_scale};
   Fundamental<V> f;
   partials_at(t_high, t_low, t, m_ours, f);
-  matrix<PartialsAt::by_r>(p, t, q, m, f, out);
+  matrix(p, t, q, m, f, out);
 }
 
 template <class V, class At, class PartialsAt>
