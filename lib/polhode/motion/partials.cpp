@@ -26,7 +26,8 @@ FreePartials::FreePartials(const FreeBody& body, const theta::Target& target) : 
 StatePartials FreePartials::at(double t_high_s, double t_low_s) const {
   StatePartials result;
   target_->partials_at(solution_, partials_, t_high_s, t_low_s, result.state.q_inertial_from_body.coeffs().data(),
-                       result.state.momentum_body.data(), result.partials.data());
+                       result.state.momentum_body.data(),
+                       *reinterpret_cast<double(*)[kMatrixSize]>(result.partials.data()));
   return result;
 }
 

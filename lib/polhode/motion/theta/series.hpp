@@ -112,7 +112,7 @@ struct Target {
   void (*batch)(const Solution&, const BatchArguments&);
   void (*build_partials)(const Input&, Solution&, PartialsSolution&);
   void (*partials_at)(const Solution&, const PartialsSolution&, double t_high, double t_low, double q_xyzw[4],
-                      double m[3], double matrix[54]);
+                      double m[3], double (&matrix)[54]);
   void (*partials_batch)(const Solution&, const PartialsSolution&, const PartialsBatchArguments&);
 };
 

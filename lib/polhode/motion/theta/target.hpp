@@ -30,16 +30,14 @@ void build_partials_any_span(const Input& in, Solution& out, PartialsSolution& p
 }
 
 void partials_at_one(const Solution& s, const PartialsSolution& p, double t_high, double t_low, double q_xyzw[4],
-                     double m[3], double matrix_out[54]) {
+                     double m[3], double (&matrix)[54]) {
   Pair<double> t{t_high, t_low};
   if (t_low != 0.0) t = pair_sum(t_high, t_low);
   dispatch(s, p, [&](const auto& at, const auto& partials_at) {
     evaluate_at(at, t.high, t.low, q_xyzw, m);
     const double qs[4] = {q_xyzw[3], q_xyzw[0], q_xyzw[1], q_xyzw[2]};
-    double ms[3], out[54];
-    std::memcpy(ms, m, sizeof ms);
-    matrix_of_state(partials_at, t.high, t.low, qs, ms, out);
-    std::memcpy(matrix_out, out, sizeof out);
+    const double ms[3] = {m[0], m[1], m[2]};
+    matrix_of_state(partials_at, t.high, t.low, qs, ms, matrix);
   });
 }
 
