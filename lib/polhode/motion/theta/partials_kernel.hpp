@@ -144,8 +144,8 @@ struct FourierPartialsAt {
     const V one_minus_cosine = where_below(-cosine, 0.0, s2 / (1.0 + size_of_cosine), 1.0 + size_of_cosine);
     V tail[5];
     for (int i = 0; i < 5; ++i) tail[i] = all<V>(s.polynomial[3][i]);
-    for (int n = 2; n >= 0; --n) {
-      for (int i = 0; i < 5; ++i) tail[i] = multiply_add(tail[i], s2, all<V>(s.polynomial[n][i]));
+    for (int power = 2; power >= 0; --power) {
+      for (int i = 0; i < 5; ++i) tail[i] = multiply_add(tail[i], s2, all<V>(s.polynomial[power][i]));
     }
     const V vt = v * tail[0];
     const V reciprocal = 1.0 / multiply_add(s2, tail[0], all<V>(1.0));
