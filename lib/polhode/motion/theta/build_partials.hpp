@@ -126,9 +126,14 @@ CanonicalPartials canonical_partials(const Canonical<Real>& c, double lambda) {
   const double(&i)[3] = c.moments;
   const double side = c.long_axis_mode ? 1.0 : -1.0;
   CanonicalPartials p;
-  p.m[0] = ldexp(c.m[0], c.exponent_13);
+  // Beside the middle axis m_1 and m_3 may be below what has a reciprocal.
+  const auto with_reciprocal = [](double a) {
+    constexpr double least = 0x1p-1000;
+    return a != 0.0 && __builtin_fabs(a) < least ? __builtin_copysign(least, a) : a;
+  };
+  p.m[0] = with_reciprocal(ldexp(c.m[0], c.exponent_13));
   p.m[1] = c.m[1];
-  p.m[2] = ldexp(c.m[2], c.exponent_13);
+  p.m[2] = with_reciprocal(ldexp(c.m[2], c.exponent_13));
   p.kappa[0] = side * nearest(c.j32) / (i[1] * i[2]);
   p.kappa[1] = -side * nearest(c.j31) / (i[0] * i[2]);
   p.kappa[2] = side * nearest(c.j21) / (i[0] * i[1]);
@@ -272,12 +277,12 @@ inline void build_hyperbolic_partials(const CanonicalPartials& p, const Hyperbol
   h.cn_scale = 2.0 * half_theta2 / theta4;
   h.dn_scale = 2.0 * half_theta2 / theta3;
   const double x0 = chart.x_at_0.high;
-  h.e0 = __builtin_exp(-__builtin_fabs(x0));
+  h.e0 = __builtin_exp(-(__builtin_fabs(x0) < 690.0 ? __builtin_fabs(x0) : 690.0));
   const double e2 = h.e0 * h.e0, e4 = e2 * e2, y = root * (1.0 / h.e0), y2 = y * y;
   const double m0 =
       ((1.0 - e4) + 2.0 * q2 * y2 * (1.0 - e4 * e4)) / (1.0 + y2 * (1.0 + e4) + q2 * y2 * y2 * (1.0 + e4 * e4));
   h.e0_m0 = __builtin_copysign(0.5 / h.e0 * m0, x0);
-  h.reciprocal_root = root > 0.0 ? 1.0 / root : 0.0;
+  h.reciprocal_root = root > 0x1p-1000 ? 1.0 / root : 0.0;
   h.jump = h.e0 * 0.5 * h.reciprocal_root;
   h.kp2_scale = 16.0 * half_theta2_4 / (theta3 * theta3 * theta3 * theta3) * (root / h.e0);
   h.b13 = __builtin_sqrt(p.d3 / p.kappa[1]);

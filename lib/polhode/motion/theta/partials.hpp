@@ -61,7 +61,7 @@ struct HyperbolicPartials {
   double b13;
   double s0, s1;                 ///< integral of 1/dn^2 = s0 w + s1 M(x)
   double e0, e0_m0;              ///< e^{-|x(0)|}, and that times M(x(0))
-  double jump, reciprocal_root;  ///< e0 / (2 Q) and 1 / Q, or 0 where Q is
+  double jump, reciprocal_root;  ///< e0 / (2 Q) and 1 / Q, or 0 where Q is as good as 0
   double kp2_scale;              ///< k'^2 Q / e0 / Q^2
   double b31, reciprocal_b23;
   double cn, sn, dn, cn_e, dn_e;  ///< at t = 0; divided by e0
