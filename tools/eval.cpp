@@ -76,7 +76,9 @@ void eval_partials(const EvalOptions& options) {
   if (!wanted.torques.empty()) {
     throw InputError(fmt::format("--partials is for free motion; {} has torques ('T' lines)", options.case_file));
   }
-  if (options.method != "auto") throw InputError("--partials has a method of its own; --method is not for it");
+  if (options.method != "auto" || options.step_s != 0.0 || options.most_evaluations != 0) {
+    throw InputError("--partials is exact; --method, --step and --max-evaluations are not for it");
+  }
   const std::size_t count = wanted.times_s.size();
   std::vector<double> q(4 * count), m(3 * count), matrices(54 * count);
   FreePartials(wanted.body).batch({wanted.times_s}, StateArrays::of_structures(q.data(), m.data()), matrices);
@@ -138,6 +140,7 @@ void add_eval(CLI::App& app) {
   command->footer(
       "Examples:\n  polhode eval data/truth/dev/sam-01.case\n"
       "  polhode eval --method legendre data/truth/dev/sam-01.case\n"
+      "  polhode eval --partials data/truth/dev/sam-01.case\n"
       "  polhode eval --tolerance 1e-8 data/truth/torqued/combined-01.case");
   command
       ->add_option("--method", options->method,

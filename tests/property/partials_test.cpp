@@ -8,7 +8,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <random>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "polhode/base/error.hpp"
@@ -57,11 +58,7 @@ std::string name_of(const FreeBody& body) {
   return text.str();
 }
 
-/// Columns free of units, and the larger of 1 and the size of each.
-struct Scaled {
-  PartialsMatrix matrix;
-  Eigen::Matrix<double, 1, 9> size;
-};
+/// Momenta in units of G, moments of I_k.
 PartialsMatrix without_units(const FreeBody& body, PartialsMatrix matrix) {
   const double g = body.momentum_body.norm() > 0.0 ? body.momentum_body.norm() : body.principal_moments[1];
   for (int k = 0; k < 3; ++k) {
