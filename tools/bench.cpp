@@ -18,6 +18,7 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
+#include "polhode/motion/partials.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
@@ -122,6 +123,35 @@ void bench_torqued(const BenchOptions& options, const CaseFile& wanted) {
   }
 }
 
+/// The partial derivatives of the free motion: `key=value` lines, and what the results sum up to.
+std::string bench_partials(const FreeBody& body, const Array& times, std::size_t builds, double& checksum) {
+  const std::size_t count = times.size();
+  constexpr std::size_t numbers = 7 + 54;
+  Array q(4 * count), m(3 * count), matrices(54 * count), copied(numbers * count), source(numbers * count, 1.0);
+  const StateArrays states = StateArrays::of_structures(q.data(), m.data());
+  const FreePartials partials(body);
+  Quantity construct, single, batch, copy;
+  for (int round = 0; round < kRounds; ++round) {
+    construct.measure(builds, [&] {
+      for (std::size_t i = 0; i < builds; ++i) {
+        FreeBody other = body;
+        other.momentum_body *= 1.0 + 1e-9 * static_cast<double>(i);  // never the same body twice
+        checksum += FreePartials(other).at(0.0).partials(0, 0);
+      }
+    });
+    single.measure(count, [&] {
+      for (const double t : times) checksum += partials.at(t).partials(1, 4) != 0.0 ? 1.0 : 0.5;
+    });
+    batch.measure(count, [&] { partials.batch({times}, states, matrices); });
+    copy.measure(count, [&] { std::memcpy(copied.data(), source.data(), numbers * sizeof(double) * count); });
+    source[static_cast<std::size_t>(round) % source.size()] += copied[count / 2];
+  }
+  checksum += std::accumulate(q.begin(), q.end(), 0.0) + copied[0];
+  return fmt::format(
+      "construct_partials_ns={:.1f}\nsingle_partials_ns={:.2f}\nbatch_partials_ns={:.2f}\ncopy_partials_ns={:.2f}\n",
+      construct.median(), single.median(), batch.median(), copy.median());
+}
+
 void bench(const BenchOptions& options) {
   const Method& chosen = in_option(
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
@@ -175,12 +205,14 @@ void bench(const BenchOptions& options) {
   }
   checksum += std::accumulate(q.begin(), q.end(), 0.0) + std::accumulate(m.begin(), m.end(), 0.0) +
               std::accumulate(copied.begin(), copied.end(), 0.0);
+  const std::string partials =
+      options.method == "auto" ? bench_partials(wanted.body, times, builds, checksum) : std::string();
 
   write_standard_output(fmt::format(
       "method={}\ncount={}\nconstruct_ns={:.1f}\nconstruct_short_ns={:.1f}\nsingle_ns={:.2f}\nbatch_ns={:.2f}\n"
-      "batch_attitude_ns={:.2f}\ncopy_ns={:.2f}\nthreads_ns={:.2f}\ncopy_threads_ns={:.2f}\nchecksum={:.17g}\n",
+      "batch_attitude_ns={:.2f}\ncopy_ns={:.2f}\nthreads_ns={:.2f}\ncopy_threads_ns={:.2f}\n{}checksum={:.17g}\n",
       chosen.name, count, construct.median(), construct_short.median(), single.median(), batch.median(),
-      batch_attitude.median(), copy.median(), threads.median(), copy_threads.median(), checksum));
+      batch_attitude.median(), copy.median(), threads.median(), copy_threads.median(), partials, checksum));
   if (!std::isfinite(checksum)) throw CheckFailed(fmt::format("method {} gave rows that are not finite", chosen.name));
 }
 

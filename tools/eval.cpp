@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,10 +7,12 @@
 #include <iterator>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
+#include "polhode/motion/partials.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 #include "polhode/read/case_file.hpp"
@@ -28,6 +31,7 @@ struct EvalOptions {
   double tolerance_rad = 1e-12;      // for propagation under torques and for integrators; the exact methods need none
   double step_s = 0.0;               // for integrators of fixed step; 0 is the method's choice
   std::size_t most_evaluations = 0;  // of torques; 0: some seconds of work
+  bool partials = false;
 };
 
 std::unique_ptr<Motion> make_free_motion(const FreeBody& body, const EvalOptions& options) {
@@ -73,7 +77,30 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
   return motion;
 }
 
+/// A line q m and the 54 numbers of the 6 x 9 matrix per time.
+void eval_partials(const EvalOptions& options) {
+  const CaseFile wanted = read_case_file(options.case_file);
+  if (!wanted.torques.empty()) {
+    throw InputError(fmt::format("--partials is for free motion; {} has torques ('T' lines)", options.case_file));
+  }
+  if (options.method != "auto" || options.step_s != 0.0 || options.most_evaluations != 0) {
+    throw InputError("--partials is exact; --method, --step and --max-evaluations are not for it");
+  }
+  const std::size_t count = wanted.times_s.size();
+  std::vector<double> q(4 * count), m(3 * count), matrices(54 * count);
+  FreePartials(wanted.body).batch({wanted.times_s}, StateArrays::of_structures(q.data(), m.data()), matrices);
+  fmt::memory_buffer text;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto row = [&](const std::vector<double>& values, std::size_t size) {
+      return fmt::join(values.data() + size * i, values.data() + size * (i + 1), " ");
+    };
+    fmt::format_to(std::back_inserter(text), "{:.17g} {:.17g} {:.17g}\n", row(q, 4), row(m, 3), row(matrices, 54));
+  }
+  write_standard_output({text.data(), text.size()});
+}
+
 void eval(const EvalOptions& options) {
+  if (options.partials) return eval_partials(options);
   if (!(options.tolerance_rad >= smallest_tolerance_rad && std::isfinite(options.tolerance_rad))) {
     throw OptionError(fmt::format("--tolerance is {}, an angle of {} rad or more is wanted: doubles hold no less",
                                   options.tolerance_rad, smallest_tolerance_rad));
@@ -120,6 +147,7 @@ void add_eval(CLI::App& app) {
   command->footer(
       "Examples:\n  polhode eval data/truth/dev/sam-01.case\n"
       "  polhode eval --method legendre data/truth/dev/sam-01.case\n"
+      "  polhode eval --partials data/truth/dev/sam-01.case\n"
       "  polhode eval --tolerance 1e-8 data/truth/torqued/combined-01.case");
   command
       ->add_option(
@@ -135,6 +163,8 @@ void add_eval(CLI::App& app) {
   add_whole_number(*command, "--max-evaluations", options->most_evaluations, 1, most_evaluations_asked,
                    "Under torques: most torque evaluations to spend")
       ->default_str("8000000 of one torque, fewer of several");
+  command->add_flag("--partials", options->partials,
+                    "Go on after m3 with d(theta, m)/d(theta0, m0, I), 6 x 9 row by row: free motion");
   command->add_option("CASEFILE", options->case_file, "Body at t = 0 and times")->required();
   command->callback([options] { in_file(options->case_file, [&] { eval(*options); }); });
 }

@@ -46,6 +46,24 @@ class Program(unittest.TestCase):
         for a, b in zip(first, second):
             self.assertAlmostEqual(float(a), float(b), delta=1e-13 * max(1.0, abs(float(b))))
 
+    def test_partials_go_on_after_the_state(self):
+        states = run("eval", CASE).stdout.splitlines()
+        done = run("eval", "--partials", CASE)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        rows = done.stdout.splitlines()
+        self.assertEqual([row.split(" ")[:7] for row in rows], [state.split(" ") for state in states])
+        self.assertEqual({len(row.split(" ")) for row in rows}, {61})
+        self.assertEqual([float(x) for x in self.eval_text(GOOD, "--partials").stdout.split()[7:16]], [1] + 8 * [0])
+        torqued = f"{DATA}/truth/torqued/combined-01.case"
+        for arguments, complaint in [
+            (["--partials", torqued], f"{torqued} has torques"),
+            (["--partials", "--method", "legendre", CASE], "--method"),
+            (["--partials", "--step", "1", CASE], "--step"),
+        ]:
+            done = run("eval", *arguments)
+            self.assertEqual((done.returncode, done.stdout), (2, ""), arguments)
+            self.assertIn(complaint, done.stderr)
+
     def test_wrong_input_is_one_message_and_status_2(self):
         for text, complaint in [
             (GOOD.replace("I 1 2 3", "I 3 2 1"), ":1: "),
@@ -238,6 +256,10 @@ class Program(unittest.TestCase):
                 self.assertGreater(float(values[f"{key}_ns"]), 0.0)
             checksums.add(values["checksum"])
         self.assertEqual(len(checksums), 1)
+        values = dict(line.split("=") for line in run("bench", CASE, "500").stdout.splitlines())
+        for key in ["construct_partials", "single_partials", "batch_partials", "copy_partials"]:
+            self.assertGreater(float(values[f"{key}_ns"]), 0.0)
+        self.assertTrue(math.isfinite(float(values["checksum"])))
 
 
 if __name__ == "__main__":

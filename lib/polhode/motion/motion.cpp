@@ -40,6 +40,19 @@ void check_lengths(const TimeArrays& times) {
   }
 }
 
+TimeArrays part_of(const TimeArrays& times, std::size_t begin, std::size_t end) {
+  return {times.high.subspan(begin, end - begin),
+          times.low.empty() ? times.low : times.low.subspan(begin, end - begin)};
+}
+
+StateArrays part_of(const StateArrays& out, std::size_t begin) {
+  const auto row = static_cast<std::ptrdiff_t>(begin);
+  StateArrays part = out;
+  for (double*& q : part.q) q += row * out.q_stride;
+  for (double*& m : part.m) m = m == nullptr ? nullptr : m + row * out.m_stride;
+  return part;
+}
+
 void Motion::batch(const TimeArrays& times, const StateArrays& out) const {
   check_lengths(times);
   for (std::size_t i = 0; i < times.high.size(); ++i) {
@@ -51,13 +64,7 @@ void batch_threads(const Motion& motion, const TimeArrays& times, const StateArr
   check_lengths(times);
   constexpr std::size_t kGrain = 512;  // batches work in blocks of a divisor of this
   parallel_chunks(times.high.size(), kGrain, thread_count, [&](std::size_t begin, std::size_t end) {
-    const TimeArrays part{times.high.subspan(begin, end - begin),
-                          times.low.empty() ? times.low : times.low.subspan(begin, end - begin)};
-    const auto row = static_cast<std::ptrdiff_t>(begin);
-    StateArrays part_out = out;
-    for (double*& q : part_out.q) q += row * out.q_stride;
-    for (double*& m : part_out.m) m = m == nullptr ? nullptr : m + row * out.m_stride;
-    motion.batch(part, part_out);
+    motion.batch(part_of(times, begin, end), part_of(out, begin));
   });
 }
 

@@ -88,6 +88,10 @@ struct StateArrays {
   }
 };
 
+/// The times from `begin` to before `end`, and where the results from `begin` on go: for work in parts.
+TimeArrays part_of(const TimeArrays& times, std::size_t begin, std::size_t end);
+StateArrays part_of(const StateArrays& out, std::size_t begin);
+
 /// A motion, free or under torques, built once, answered at any time. Thread-safe: evaluation changes nothing. The
 /// classes of motions can be copied, moved and kept in a vector.
 class Motion {

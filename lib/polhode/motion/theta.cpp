@@ -24,6 +24,24 @@ std::size_t targets(const Target* out[3]) {
 
 }  // namespace theta
 
+theta::Input theta_input(const FreeBody& body) {
+  theta::Input in;
+  const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
+  for (int k = 0; k < 3; ++k) {
+    in.moments[k] = body.principal_moments[k];
+    in.momentum[k] = body.momentum_body[k];
+  }
+  for (int k = 0; k < 4; ++k) in.q[k] = q[k];
+  return in;
+}
+
+theta::BatchArguments theta_batch(const TimeArrays& times, const StateArrays& out) {
+  return {times.high.data(), times.low.empty() ? nullptr : times.low.data(),
+          times.high.size(), {out.q[0], out.q[1], out.q[2], out.q[3]},
+          out.q_stride,      {out.m[0], out.m[1], out.m[2]},
+          out.m_stride};
+}
+
 const theta::Target& ThetaMotion::best_target() {
   static const theta::Target* const best = [] {
     const theta::Target* available[3];
@@ -40,14 +58,7 @@ const theta::Target& ThetaMotion::best_target() {
 
 ThetaMotion::ThetaMotion(Unchecked /*unused*/, const FreeBody& body, Span span, const theta::Target& target)
     : target_(&target) {
-  theta::Input in;
-  const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
-  for (int k = 0; k < 3; ++k) {
-    in.moments[k] = body.principal_moments[k];
-    in.momentum[k] = body.momentum_body[k];
-  }
-  for (int k = 0; k < 4; ++k) in.q[k] = q[k];
-  (span == Span::any ? target_->build : target_->build_short)(in, solution_);
+  (span == Span::any ? target_->build : target_->build_short)(theta_input(body), solution_);
 }
 
 State ThetaMotion::at(double t_high_s, double t_low_s) const {
@@ -58,11 +69,7 @@ State ThetaMotion::at(double t_high_s, double t_low_s) const {
 
 void ThetaMotion::batch(const TimeArrays& times, const StateArrays& out) const {
   check_lengths(times);
-  theta::BatchArguments arguments{times.high.data(), times.low.empty() ? nullptr : times.low.data(),
-                                  times.high.size(), {out.q[0], out.q[1], out.q[2], out.q[3]},
-                                  out.q_stride,      {out.m[0], out.m[1], out.m[2]},
-                                  out.m_stride};
-  target_->batch(solution_, arguments);
+  target_->batch(solution_, theta_batch(times, out));
 }
 
 }  // namespace polhode

@@ -5,6 +5,10 @@
 
 namespace polhode {
 
+/// A body and a batch as the functions of an instruction set take them.
+theta::Input theta_input(const FreeBody& body);
+theta::BatchArguments theta_batch(const TimeArrays& times, const StateArrays& out);
+
 /// The exact motion of a free rigid body as one theta series (theta.md): every body, no special case but a momentum
 /// that is constant in the body. At an instant t, with two phases v = nu t + v0 and rho t and two short series,
 ///

@@ -451,8 +451,15 @@ void build_hyperbolic(const Input& in, const Canonical<Real>& c, const Common<Re
   out.chart = Chart::hyperbolic;
 }
 
-template <class Real>
-void build(const Input& in, Solution& out) {
+/// For those who need no more than the solution.
+struct NoFurther {
+  template <class... Constants>
+  void operator()(const Constants&...) const {}
+};
+
+/// Calls `further` with the exponents of the units, and with the canonical and the common constants where there are.
+template <class Real, class Further = NoFurther>
+void build(const Input& in, Solution& out, const Further& further = {}) {
   int momentum_exponent = -2000;
   for (double component : in.momentum) {
     const int e = exponent_of(component);
@@ -466,6 +473,7 @@ void build(const Input& in, Solution& out) {
       (m[0] == 0.0 || m[2] == 0.0 || i[0] == i[2])) {
     if (momentum_exponent == -2000) momentum_exponent = 0;
     build_fixed_axis<Real>(in, moment_exponent, momentum_exponent, out);
+    further(moment_exponent, momentum_exponent);
     return;
   }
   const Canonical<Real> c = canonical<Real>(in, moment_exponent, momentum_exponent);
@@ -477,6 +485,7 @@ void build(const Input& in, Solution& out) {
   } else {
     build_hyperbolic<Real>(in, c, s, moment_exponent, momentum_exponent, out);
   }
+  further(moment_exponent, momentum_exponent, c, s);
 }
 
 }  // namespace POLHODE_TARGET

@@ -94,6 +94,14 @@ struct BatchArguments {
   std::ptrdiff_t m_stride;
 };
 
+struct PartialsSolution;
+
+/// As BatchArguments, and where the matrices go, 54 numbers each, one after the other.
+struct PartialsBatchArguments {
+  BatchArguments states;
+  double* matrices;
+};
+
 /// The functions compiled once per instruction set.
 struct Target {
   const char* name;
@@ -102,6 +110,10 @@ struct Target {
   void (*build_short)(const Input&, Solution&);  ///< double: a step of a splitting method
   void (*at)(const Solution&, double t_high, double t_low, double q_xyzw[4], double m[3]);  ///< as Eigen stores them
   void (*batch)(const Solution&, const BatchArguments&);
+  void (*build_partials)(const Input&, Solution&, PartialsSolution&);
+  void (*partials_at)(const Solution&, const PartialsSolution&, double t_high, double t_low, double q_xyzw[4],
+                      double m[3], double (&matrix)[54]);
+  void (*partials_batch)(const Solution&, const PartialsSolution&, const PartialsBatchArguments&);
 };
 
 /// The targets that this machine can run, best last.

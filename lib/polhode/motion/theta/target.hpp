@@ -1,7 +1,8 @@
 // Included once by each target_*.cpp, which is compiled for its own instruction set.
 
 #include "polhode/motion/theta/batch.hpp"
-#include "polhode/motion/theta/build.hpp"
+#include "polhode/motion/theta/build_partials.hpp"
+#include "polhode/motion/theta/partials_batch.hpp"
 #include "polhode/motion/theta/single.hpp"
 
 namespace polhode::theta {
@@ -22,6 +23,26 @@ void batch_of(const Solution& s, const BatchArguments& arguments) {
   } else {
     dispatch(s, [&](const auto& at) { batch_with<false>(at, arguments); });
   }
+}
+
+void build_partials_any_span(const Input& in, Solution& out, PartialsSolution& partials) {
+  build_with_partials<DoubleDouble>(in, out, partials);
+}
+
+void partials_at_one(const Solution& s, const PartialsSolution& p, double t_high, double t_low, double q_xyzw[4],
+                     double m[3], double (&matrix)[54]) {
+  Pair<double> t{t_high, t_low};
+  if (t_low != 0.0) t = pair_sum(t_high, t_low);
+  dispatch(s, p, [&](const auto& at, const auto& partials_at) {
+    evaluate_at(at, t.high, t.low, q_xyzw, m);
+    const double qs[4] = {q_xyzw[3], q_xyzw[0], q_xyzw[1], q_xyzw[2]};
+    const double ms[3] = {m[0], m[1], m[2]};
+    matrix_of_state(partials_at, t.high, t.low, qs, ms, matrix);
+  });
+}
+
+void partials_batch_of(const Solution& s, const PartialsSolution& p, const PartialsBatchArguments& arguments) {
+  dispatch(s, p, [&](const auto& at, const auto& partials_at) { partials_batch_with(at, partials_at, arguments); });
 }
 
 }  // namespace
