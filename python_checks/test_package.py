@@ -341,6 +341,43 @@ def test_a_body_built_without_a_file_is_that_of_the_file():
         polhode.Body("nothing").motion()
 
 
+def test_partial_derivatives_are_those_of_eval():
+    case = polhode.read_case(CASE)
+    ours = case.motion().partials(case.times)
+    assert ours.shape == (len(case.times), 6, 9)
+    rows = np.loadtxt(run("eval", "--partials", CASE).stdout.splitlines())
+    assert np.array_equal(ours, rows[:, 7:].reshape(-1, 6, 9))
+    assert np.array_equal(case.motion().partials(float(case.times[0])), ours[0])
+    with pytest.raises(polhode.InputError, match="the free motion of one body"):
+        polhode.FreeMotion([[1, 2, 3], [1, 2, 3]], [1, 0, 0, 0], [1, 2, 3]).partials(0.0)
+
+
+def test_partial_derivatives_are_in_the_axes_of_the_states():
+    """Against differences of bodies whose attitude and rate at the epoch are a little other, in the named axes."""
+    body = polhode.read(TOUTATIS)
+    motion, t, h = body.motion(), 10 * 86400.0, 1e-6
+    start, partials = motion(0.0), motion.partials(t)
+    axes = body.inertia.named_from_principal
+    tensor = axes @ np.diag(body.inertia.principal_moments) @ axes.T
+
+    def end(theta, momentum):
+        turned = start.rotation * Rotation.from_rotvec(theta)
+        q = np.roll(turned.as_quat(), 1)
+        omega = np.linalg.solve(tensor, momentum)
+        return polhode.Body("other", inertia=body.inertia, epoch=motion.epoch, q=q, omega=omega, frame=start.frame).motion()(t)
+
+    size = np.linalg.norm(start.momentum)
+    for column in range(6):
+        step = np.zeros(6)
+        step[column] = h if column < 3 else h * size
+        low, high = (end(sign * step[:3], start.momentum + sign * step[3:]) for sign in (-1, 1))
+        turn = (low.rotation.inv() * high.rotation).as_rotvec() / (2 * h)
+        change = (high.momentum - low.momentum) / (2 * h)
+        wanted = partials[:, column] * (1 if column < 3 else size)
+        assert_within(np.abs(turn - wanted[:3]) / max(1, np.linalg.norm(wanted[:3])), 1e-7)
+        assert_within(np.abs(change - wanted[3:]) / max(size, np.linalg.norm(wanted[3:])), 1e-7)
+
+
 def test_meshes():
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0, 3)], float)
     facets = [[0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1], [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3]]

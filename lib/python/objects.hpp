@@ -69,6 +69,9 @@ struct StateObject {
   nb::object t, q, m, omega;  ///< arrays; those of a scalar are made when asked for
 };
 
+/// Motion.partials(): an array (..., 6, 9) of a free motion, in the axes of its states.
+FloatArray partials_of(const MotionObject& motion, const nb::object& t, unsigned threads);
+
 /// The attitude of anything that has one, v_icrf = q v_body q*, for comparisons.
 std::function<Quaternion(Instant)> q_icrf_of(const MotionObject& motion);
 
