@@ -38,8 +38,15 @@ if(NOT found STREQUAL "527040 instants, components of q within 1e-14: yes\n")
   message(FATAL_ERROR "the consumer found ${found}")
 endif()
 
+execute_process(COMMAND ${build}/partials ${SOURCE_DIR}/data/bodies/toutatis.toml
+  OUTPUT_VARIABLE found COMMAND_ERROR_IS_FATAL ANY)
+if(NOT found STREQUAL "0.00342 rad\n")
+  message(FATAL_ERROR "the consumer found ${found}")
+endif()
+
 # README and manual show these very programs.
-foreach(shown "main.cpp;README.md" "batch.cpp;tools/manual/numerical-analysis.md")
+foreach(shown "main.cpp;README.md" "batch.cpp;tools/manual/numerical-analysis.md"
+    "partials.cpp;tools/manual/partials.md")
   list(GET shown 0 program)
   list(GET shown 1 page)
   file(READ ${SOURCE_DIR}/${page} text)
