@@ -379,6 +379,25 @@ struct Rows {
 };
 
 /// Beside the middle axis whole periods are taken out of a phase that may be of any size.
+TEST(ThetaProperty, SmallestDoublesBesideAnAxisDoNotVanish) {  // they do where they are brought to units of the others
+  constexpr double least = std::numeric_limits<double>::denorm_min();
+  const Vector3 moments(8, 13, 18);
+  for (const int axis : {0, 2}) {  // the middle one is left after some time
+    for (const double others : {least, -3.0 * least, 1e-310}) {
+      Vector3 m(others, -others, others);
+      m[axis] = 9.0;
+      const FreeBody body{moments, Quaternion(1.0, 2.0, -3.0, 0.5), m};
+      const ThetaMotion motion(body);
+      for (const double t : {0.0, 10.0, -1e4}) {
+        const Eigen::AngleAxisd turn(9.0 / moments[axis] * t, Vector3::Unit(axis));
+        const Quaternion exact = body.q_inertial_from_body.normalized() * Quaternion(turn);
+        ASSERT_LE(rotation_angle_rad(motion.at(t).q_inertial_from_body, exact), 1e-11) << axis << " " << others;
+        ASSERT_LE((motion.at(t).momentum_body - 9.0 * Vector3::Unit(axis)).norm(), 1e-14) << axis << " " << others;
+      }
+    }
+  }
+}
+
 TEST(ThetaProperty, AnyTimeHasAStateOfTheBody) {
   const FreeBody b{{2.28588, 5.27858, 9.97223}, Quaternion(1, 2, 3, 4), {-2.34919e-6, 0.059748, 1.29618e-6}};
   const double energy = b.momentum_body.dot(b.momentum_body.cwiseQuotient(b.principal_moments));

@@ -40,10 +40,11 @@ inline constexpr double kInfinite = 1e300;
 
 inline int exponent_of(double a) { return a == 0.0 || !__builtin_isfinite(a) ? -2000 : __builtin_ilogb(a); }
 
-/// |a| raised to 2^-400 unless zero: changes no answer by more than 1e-120 and keeps squares from underflowing.
-inline double raised(double a) {
-  constexpr double smallest = 0x1p-400;
-  return a == 0.0 || !(__builtin_fabs(a) < smallest) ? a : __builtin_copysign(smallest, a);  // NaN stays
+/// a 2^-exponent, its size raised to 2^-400 unless it is zero: changes no answer by more than 1e-120, and keeps it and
+/// its square from underflowing.
+inline double raised(double a, int exponent) {
+  if (a == 0.0 || !__builtin_isfinite(a) || exponent_of(a) - exponent >= -400) return ldexp(a, -exponent);
+  return __builtin_copysign(0x1p-400, a);
 }
 
 /// A number times a power of two that a double's range may not hold.
@@ -108,9 +109,9 @@ Canonical<Real> canonical(const Input& in, int moment_exponent, int momentum_exp
   // m2 relative to the largest component; m1 and m3 relative to the larger of the two, which may be tiny.
   const int e1 = exponent_of(m[0]), e3 = exponent_of(m[2]);
   const int exponent = e1 > e3 ? e1 : e3;
-  m[0] = raised(ldexp(m[0], -exponent));
-  m[1] = raised(ldexp(m[1], -momentum_exponent));
-  m[2] = raised(ldexp(m[2], -exponent));
+  m[0] = raised(m[0], exponent);
+  m[1] = raised(m[1], momentum_exponent);
+  m[2] = raised(m[2], exponent);
   c.exponent_13 = exponent - momentum_exponent;
 
   const Real i21 = Real(moments[1]) - moments[0];
