@@ -1,4 +1,4 @@
-"""The free rigid body to any number of digits, by the founding document's formulas (Leroy 2020, "An alternative
+"""The free rigid body to any number of digits, by Leroy's formulas (Leroy 2020, "An alternative
 quaternionic solution") in mpmath: Jacobi functions and Legendre's Pi, nothing shared with the library's theta series.
 
 Cases (i) and (ii) only: no symmetric top, sphere, separatrix to the last digit or constant momentum.

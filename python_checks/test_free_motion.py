@@ -1,4 +1,4 @@
-"""`polhode eval` on random bodies of many kinds against the founding document's formulas at 70 digits and more.
+"""`polhode eval` on random bodies of many kinds against Leroy's formulas at 70 digits and more.
 
 The outputs are compared as the doubles they are. Wherever the inputs determine the answer (condition number below 1e14),
 theta promises 8 units of 2^-52 outright; 2.5 is what is seen.

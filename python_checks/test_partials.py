@@ -1,4 +1,4 @@
-"""`polhode eval --partials` on random bodies of many kinds against central differences of the founding document's formulas,
+"""`polhode eval --partials` on random bodies of many kinds against central differences of Leroy's formulas,
 at twice the digits that these need and with steps of half of them.
 
 The error of a row is that of its worst column, free of units (momenta in G, moments in I_k), over the larger of 1 and

@@ -69,7 +69,7 @@ constexpr EulerSolution::Case kCases[] = {EulerSolution::Case::i, EulerSolution:
 
 Vector3 euler_rate(const FreeBody& b, const Vector3& m) { return m.cross(m.cwiseQuotient(b.principal_moments)); }
 
-TEST(FoundingDocument, SignsOfLambdaAndOfCaseThreeSatisfyEulersEquations) {
+TEST(Leroy, SignsOfLambdaAndOfCaseThreeSatisfyEulersEquations) {
   for (const auto which : kCases) {
     for (const FreeBody& body : bodies(which)) {
       const EulerSolution e(body);
@@ -91,7 +91,7 @@ TEST(FoundingDocument, SignsOfLambdaAndOfCaseThreeSatisfyEulersEquations) {
   }
 }
 
-TEST(FoundingDocument, IntegralFive) {
+TEST(Leroy, IntegralFive) {
   for (const double k : {0.0, 0.3, 0.9, 0.999}) {
     for (const double a : {0.0, 0.2, 0.8, 0.99}) {
       for (const double u : {0.1, 0.9, 1.4}) {  // below K, where am u < pi/2 and arctg is on its main branch
@@ -107,7 +107,7 @@ TEST(FoundingDocument, IntegralFive) {
   }
 }
 
-TEST(FoundingDocument, IntegralSix) {
+TEST(Leroy, IntegralSix) {
   for (const double a : {0.0, 0.2, 0.8, 0.99}) {
     for (const double u : {-2.0, 0.1, 5.0, 30.0}) {
       const double root = std::sqrt(1 - a * a);
@@ -118,7 +118,7 @@ TEST(FoundingDocument, IntegralSix) {
   }
 }
 
-TEST(FoundingDocument, NOfPiInTheMatrixForm) {
+TEST(Leroy, NOfPiInTheMatrixForm) {
   for (const auto which : {EulerSolution::Case::i, EulerSolution::Case::ii}) {
     for (const FreeBody& body : bodies(which)) {
       const EulerSolution e(body);
@@ -139,7 +139,7 @@ TEST(FoundingDocument, NOfPiInTheMatrixForm) {
   }
 }
 
-TEST(FoundingDocument, SignOfF) {
+TEST(Leroy, SignOfF) {
   for (const FreeBody& body : bodies(EulerSolution::Case::i)) {
     const EulerSolution e(body);
     const double k = std::sqrt(1 - e.kc * e.kc), a = e.B31 / e.G;
@@ -155,7 +155,7 @@ TEST(FoundingDocument, SignOfF) {
   }
 }
 
-TEST(FoundingDocument, PsiOfTheAlternativeQuaternionicSolution) {
+TEST(Leroy, PsiOfTheAlternativeQuaternionicSolution) {
   for (const auto which : kCases) {
     // m1 and m3 positive, as the rotation S makes them.
     const FreeBody body = bodies(which).front();
