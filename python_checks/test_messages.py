@@ -278,7 +278,7 @@ def test_lengths_of_quaternions_that_overflow_are_said(tmp_path):
         (("propagate", TOUTATIS, "-o", "a.csv", *SPAN, "--max-evaluations", "9"), f"{TOUTATIS}: is no scene: --max-evaluations"),
         (("propagate", ROOT / "data/samples/attitude/spinner.csv", "-o", "a.csv", "--frame", "TEME"), "--frame: 'TEME'"),
         (("eval", CASE, "--method", "kind"), "--method: unknown method 'kind'"),
-        (("eval", CASE, "--max-evaluations", "9"), "--max-evaluations is for torques"),
+        (("eval", CASE, "--max-evaluations", "9"), f"{CASE}: --max-evaluations is for torques"),
         (("eval", TORQUED, "--method", "kind"), "--method: "),
         (("bench", CASE, "9", "--method", "kind"), "--method: unknown method 'kind'"),
         (("convert-time", "--to", "XYZ"), "--to: 'XYZ' is not a time scale"),
@@ -321,6 +321,7 @@ def test_messages_about_histories_name_their_file(tmp_path):
     assert f"polhode: {unusable}: no row of the attitude history" in refused("propagate", unusable, "-o", tmp_path / "b.aem")
     body = CCSDS / "valid/APMExample02.txt"
     assert f"neither {body} nor {TOUTATIS} is an attitude ephemeris" in refused("compare", body, TOUTATIS)
+    assert f"polhode: {other}: is taken as an attitude history, and --momentum" in refused("propagate", other, "-o", tmp_path / "c.fits", "--momentum")
     rotator = ROOT / "data/samples/asteroid/spin.txt"
     assert f"polhode: {rotator}: " in refused("propagate", rotator, "-o", tmp_path / "c.csv", *SPAN, "--momentum")
 
@@ -335,3 +336,24 @@ def test_a_mesh_that_is_no_surface_is_traced_to_the_line_of_the_scene(tmp_path):
 def test_a_scene_too_short_for_its_rows_is_named(tmp_path):
     path, _ = scene(tmp_path, 'after = "30 d"', 'after = "1e-154 s"')
     assert f"polhode: {path}: stop is not after start" in refused("propagate", path, "-o", tmp_path / "a.csv", "--count", "3")
+
+
+def test_every_message_names_a_file_or_an_option(tmp_path):
+    still = tmp_path / "still.toml"
+    still.write_text(SPINNER.replace("[0.0, 0.0, 9.0]", "[0, 0, 0]"))
+    history = ROOT / "data/samples/attitude/spinner.csv"
+    out = ("-o", tmp_path / "a.aem")
+    for command, origin in [
+        (("chart", "speed-accuracy", still, *out), f"{still}: the body is at rest"),
+        (("chart", "torqued", TOUTATIS, *out), f"{TOUTATIS}: "),
+        (("eval", TORQUED, "--step", "1"), f"{TORQUED}: --step is for free motion"),
+        (("bench", CASE, "9", "--tolerance", "1e-9"), f"{CASE}: --tolerance is for motion under torques"),
+        (("propagate", TOUTATIS, *out, "--stop", "-1 d", "--count", "3"), "--stop: stop is not after start"),
+        (("propagate", TOUTATIS, *out, "--times", "2000-01-01 TDB,tomorrow"), "--times: 'tomorrow' is not a date"),
+        (("propagate", TOUTATIS, *out, "--times", "now", "--count", "3"), "--times stands alone"),
+        (("propagate", TOUTATIS, *out, *SPAN, "--attitude-type", "SPIN"), "--attitude-type: attitude type 'SPIN' is not one"),
+        (("propagate", TOUTATIS, *out, *SPAN, "--adm", "3.0"), "--adm: ADM version '3.0' is not one"),
+        (("propagate", TOUTATIS, *out, "--stop", "+1 d", "--tolerance", "1e-30"), f"{TOUTATIS}: a tolerance of 1e-30 rad cannot be kept"),
+        (("compare", history, TOUTATIS, "--tolerance", "1 x"), "--tolerance: '1 x' is no angle"),
+    ]:
+        assert refused(*command).startswith(f"polhode: {origin}")

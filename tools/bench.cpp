@@ -93,8 +93,7 @@ Array irregular_times(const std::vector<double>& own, std::size_t count) {
 /// The motion under a case's torques: solved over the span of its times, and asked at evenly spaced ones.
 void bench_torqued(const BenchOptions& options, const CaseFile& wanted) {
   if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
-    throw InputError(fmt::format("{} has torques ('T' lines): --tolerance is wanted, a positive angle in radians",
-                                 options.case_file));
+    throw InputError("has torques ('T' lines): --tolerance is wanted, a positive angle in radians");
   }
   if (options.method != "auto") throw InputError("--method is for free motion; under torques bench takes no other");
   const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
@@ -132,7 +131,7 @@ void bench(const BenchOptions& options) {
     return;
   }
   if (options.tolerance_rad != 0.0) {
-    throw InputError(fmt::format("--tolerance is for motion under torques; {} has none", options.case_file));
+    throw InputError("--tolerance is for motion under torques, of which the file has none");
   }
   const auto make_short = chosen.make_short != nullptr ? chosen.make_short : chosen.make;
   const std::unique_ptr<Motion> motion = chosen.make(wanted.body);
@@ -198,7 +197,7 @@ void add_bench(CLI::App& app) {
   command->add_option("--tolerance", options->tolerance_rad, "Wanted attitude error in radians, under torques");
   command->add_option("CASEFILE", options->case_file, "Body at t = 0; its times give the range")->required();
   add_whole_number(*command, "COUNT", options->count, 1, 100'000'000, "How many times")->required();
-  command->callback([options] { bench(*options); });
+  command->callback([options] { in_file(options->case_file, [&] { bench(*options); }); });
 }
 
 }  // namespace polhode::tools

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/motion/free_body.hpp"
@@ -62,10 +63,10 @@ survey::Subject read_subject(const std::string& text) {
   survey::Subject subject;
   subject.name = std::filesystem::path(file).stem().string();
   subject.body = file.ends_with(".case") ? read_case_file(file).body : free_body(read_body(file));
-  if (subject.body.momentum_body.isZero(0.0)) throw InputError(file + ": the body is at rest, nothing to chart");
+  if (subject.body.momentum_body.isZero(0.0)) throw InputError("the body is at rest, nothing to chart");
   subject.span_s = at == std::string::npos ? kTurnsByDefault * survey::turn_s(subject.body)
                                            : parse_duration(std::string_view(text).substr(at + 1)).high;
-  if (!(subject.span_s > 0.0)) throw InputError(text + ": the span after @ must be positive");
+  if (!(subject.span_s > 0.0)) throw InputError("the span after @ must be positive");
   return subject;
 }
 
@@ -121,7 +122,7 @@ void chart_speed_accuracy(const ChartOptions& options) {
   constexpr double kEvaluations = 3e6, kEvaluationsPerTurn = 600.0;
   std::vector<survey::Subject> subjects;
   for (const std::string& text : or_standard(options.bodies, "/bodies/", kStandardBodies)) {
-    subjects.push_back(read_subject(text));
+    subjects.push_back(in_file(text, [&] { return read_subject(text); }));
   }
   make_folder(options.folder);
   std::vector<std::vector<std::string>> rows;
@@ -203,10 +204,9 @@ survey::TorquedSubject read_torqued_subject(const std::string& text) {
     subject.span_s = scene.last_s > 0.0 ? scene.last_s : scene.first_s;
   }
   if (at != std::string::npos) subject.span_s = parse_duration(std::string_view(text).substr(at + 1)).high;
-  if (subject.torques.empty()) throw InputError(file + ": no torque, nothing to chart; see chart speed-accuracy");
-  if (subject.body.momentum_body.isZero(0.0))
-    throw InputError(file + ": at rest at first, which has no turn to count by");
-  if (subject.span_s == 0.0) throw InputError(text + ": the span is 0, another one is wanted, as FILE@SPAN");
+  if (subject.torques.empty()) throw InputError("no torque, nothing to chart; see chart speed-accuracy");
+  if (subject.body.momentum_body.isZero(0.0)) throw InputError("at rest at first, which has no turn to count by");
+  if (subject.span_s == 0.0) throw InputError("the span is 0, another one is wanted, as FILE@SPAN");
   return subject;
 }
 
@@ -215,7 +215,7 @@ void chart_torqued(const ChartOptions& options) {
   constexpr double kEvaluations = 5e4, kEvaluationsPerTurn = 500.0;
   std::vector<survey::TorquedSubject> subjects;
   for (const std::string& text : or_standard(options.bodies, "/", kStandardTorqued)) {
-    subjects.push_back(read_torqued_subject(text));
+    subjects.push_back(in_file(text, [&] { return read_torqued_subject(text); }));
   }
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> comments =

@@ -51,9 +51,11 @@ std::function<Quaternion(Instant)> motion_of(const std::string& path, const Body
 }
 
 void run(const Options& options) {
-  const double tolerance_rad = options.tolerance.empty() ? HUGE_VAL : parse_angle_rad(options.tolerance);
+  const double tolerance_rad = options.tolerance.empty()
+                                   ? HUGE_VAL
+                                   : in_option("--tolerance", [&] { return parse_angle_rad(options.tolerance); });
   if (!(tolerance_rad >= 0.0)) {
-    throw InputError(fmt::format("--tolerance is '{}', an angle of 0 or more is wanted", options.tolerance));
+    throw OptionError(fmt::format("--tolerance is '{}', an angle of 0 or more is wanted", options.tolerance));
   }
   const BodyAndHistory first = read_body_and_history(options.first), second = read_body_and_history(options.second);
   const std::optional<AttitudeHistory>&a = first.history, &b = second.history;

@@ -55,8 +55,7 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
   if (std::find(own.begin(), own.end(), how.method) == own.end()) {
     how.splitting = in_option("--method", [&] { return &rivals::splitting_scheme(options.method); });
   }
-  auto motion =
-      in_file(options.case_file, [&] { return std::make_unique<TorquedMotion>(wanted.body, wanted.torques, how); });
+  auto motion = std::make_unique<TorquedMotion>(wanted.body, wanted.torques, how);
   if (motion->outcome() == Outcome::stopped) {
     throw CheckFailed(fmt::format(
         "{}: stopped: {} s to {} s were reached after {} torque evaluations (method {}); allow more by "
@@ -68,11 +67,11 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
 
 void eval(const EvalOptions& options) {
   if (!(options.tolerance_rad >= smallest_tolerance_rad && std::isfinite(options.tolerance_rad))) {
-    throw InputError(fmt::format("--tolerance is {}, an angle of {} rad or more is wanted: doubles hold no less",
-                                 options.tolerance_rad, smallest_tolerance_rad));
+    throw OptionError(fmt::format("--tolerance is {}, an angle of {} rad or more is wanted: doubles hold no less",
+                                  options.tolerance_rad, smallest_tolerance_rad));
   }
   if (!(options.step_s >= 0.0 && std::isfinite(options.step_s))) {
-    throw InputError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
+    throw OptionError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
   }
   const CaseFile wanted = read_case_file(options.case_file);
   const std::unique_ptr<Motion> motion =
@@ -128,7 +127,7 @@ void add_eval(CLI::App& app) {
                    "Under torques: most torque evaluations to spend")
       ->default_str("8000000 of one torque, fewer of several");
   command->add_option("CASEFILE", options->case_file, "Body at t = 0 and times")->required();
-  command->callback([options] { eval(*options); });
+  command->callback([options] { in_file(options->case_file, [&] { eval(*options); }); });
 }
 
 }  // namespace polhode::tools

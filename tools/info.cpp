@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/body/invariants.hpp"
 #include "polhode/read/body.hpp"
@@ -175,7 +176,7 @@ void add_info(CLI::App& app) {
     Page page;
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const std::string& file : options->files) {
-      const Report report = report_on(file, read_body_and_history(file));
+      const Report report = in_file(file, [&] { return report_on(file, read_body_and_history(file)); });
       if (options->as_json) {
         all.push_back(json(report));
       } else {

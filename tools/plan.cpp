@@ -30,10 +30,8 @@ std::string angle_text(double rad) {
 
 void print_plan(const PlanOptions& options) {
   const Scene scene = read_scene(options.scene_file);
-  const FreeBody body = in_file(options.scene_file, [&] { return free_body(scene.body, scene.frame); });
-  const Plan plan = in_file(options.scene_file, [&] {
-    return plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
-  });
+  const FreeBody body = free_body(scene.body, scene.frame);
+  const Plan plan = plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
   fmt::format_to(
@@ -66,7 +64,7 @@ void add_plan(CLI::App& app) {
   command->footer("Examples:\n  polhode plan data/scenes/envisat-month.toml");
   command->add_option("SCENE", options->scene_file, "Scene file")->required();
   command->add_flag("--full", options->full, "Keep every effect");
-  command->callback([options] { print_plan(*options); });
+  command->callback([options] { in_file(options->scene_file, [&] { print_plan(*options); }); });
 }
 
 }  // namespace polhode::tools

@@ -83,6 +83,10 @@ double tolerance_of(const PropagateOptions& options) {
   return in_option("--tolerance", [&] { return parse_tolerance_rad(options.tolerance); });
 }
 
+std::vector<Instant> times_of(const PropagateOptions& options, const DateRule& rule, UtcDoubts& doubts) {
+  return in_option("--times", [&] { return wanted_dates(options.times, rule, doubts); });
+}
+
 /// One grid per pair of --start and --stop, or one of the list.
 std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch, TimeScale scale,
                                  const std::function<std::size_t(Instant start, Instant stop)>& rows_for_tolerance) {
@@ -91,23 +95,24 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
   if (!options.times.empty()) {
     if (!options.starts.empty() || !options.stops.empty() || !options.step.empty() || options.count != 0 ||
         !options.tolerance.empty()) {
-      throw InputError("--times stands alone: without --start, --stop, --step, --count, --tolerance");
+      throw OptionError("--times stands alone: without --start, --stop, --step, --count, --tolerance");
     }
-    return {TimeGrid::of_list(wanted_dates(options.times, rule, doubts), scale)};
+    return {TimeGrid::of_list(times_of(options, rule, doubts), scale)};
   }
   const int spacings = int(!options.step.empty()) + int(options.count != 0) + int(!options.tolerance.empty());
   if (spacings == 0) {
-    throw InputError("one of --step and --count and --tolerance is needed, which say where rows are, or --times");
+    throw OptionError("one of --step and --count and --tolerance is needed, which say where rows are, or --times");
   }
-  if (spacings > 1) throw InputError("--step, --count and --tolerance each say where rows are: one of them is allowed");
+  if (spacings > 1)
+    throw OptionError("--step, --count and --tolerance each say where rows are: one of them is allowed");
   const bool one_row = options.count == 1 && options.stops.empty();
   const bool to_scene_end = options.stops.empty() && options.starts.size() <= 1 && !options.scene_end.empty();
   if (options.stops.empty() && !one_row && !to_scene_end) {
-    throw InputError("--stop is missing, the last time, as --stop \"+1 d\"; only --count 1 needs none");
+    throw OptionError("--stop is missing, the last time, as --stop \"+1 d\"; only --count 1 needs none");
   }
   if (!one_row && !to_scene_end && options.starts.size() != options.stops.size() &&
       !(options.starts.empty() && options.stops.size() == 1)) {
-    throw InputError(
+    throw OptionError(
         fmt::format("{} times --start and {} times --stop; they come in pairs (one --stop alone starts at "
                     "the body's epoch)",
                     options.starts.size(), options.stops.size()));
@@ -120,12 +125,12 @@ std::vector<TimeGrid> time_grids(const PropagateOptions& options, Instant epoch,
     const Instant stop = one_row        ? start
                          : to_scene_end ? wanted_date(options.scene_end, epoch, rule, doubts)
                                         : date_of("--stop", options.stops[i], start, rule, doubts);
-    const auto grid = [&] {
-      if (!options.step.empty()) return TimeGrid::with_step(start, stop, step_of(options), scale);
-      const std::size_t count = options.count != 0 ? options.count : rows_for_tolerance(start, stop);
-      return TimeGrid::with_count(start, stop, count, scale);
-    };
-    grids.push_back(options.scene_end.empty() ? grid() : in_file(options.body_file, grid));
+    const bool by_step = !options.step.empty();
+    const Seconds step = by_step ? step_of(options) : Seconds{};
+    const std::size_t count = by_step || options.count != 0 ? options.count : rows_for_tolerance(start, stop);
+    grids.push_back(located({options.scene_end.empty() ? "--stop" : options.body_file, 0}, [&] {
+      return by_step ? TimeGrid::with_step(start, stop, step, scale) : TimeGrid::with_count(start, stop, count, scale);
+    }));
   }
   return grids;
 }
@@ -152,9 +157,9 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   if (!options.tolerance.empty()) {
     throw InputError("--tolerance is for bodies: an attitude history is as good as its rows; take --step or --count");
   }
-  if (options.output.momentum) throw InputError("--momentum needs an inertia: it is for bodies");
+  if (options.output.momentum) throw InputError("is taken as an attitude history, and --momentum needs an inertia");
   if (options.method != "auto") throw InputError("--method is for bodies; an attitude history says how to interpolate");
-  if (!options.step.empty() && options.count != 0) throw InputError("one of --step and --count, not both");
+  if (!options.step.empty() && options.count != 0) throw OptionError("one of --step and --count, not both");
   if (history.object.empty()) history.object = std::filesystem::path(options.body_file).stem().string();
   const TimeScale scale = options.scale_given ? scale_of(options) : history.scale;
   const std::optional<Frame> out_frame = options.frame_given ? std::optional(frame_of(options)) : std::nullopt;
@@ -163,21 +168,19 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
   WantedTimes wanted;
   if (!options.step.empty()) wanted.step = step_of(options);
   wanted.count = options.count;
-  const auto resampled = [&] {
-    return in_file(options.body_file, [&] { return resample(history, wanted, scale, out_frame); });
-  };
+  const auto resampled = [&] { return resample(history, wanted, scale, out_frame); };
   std::vector<Ephemeris> segments;
   if (!options.times.empty()) {
     if (!options.starts.empty() || !options.stops.empty() || wanted.step || wanted.count != 0) {
-      throw InputError("--times stands alone: without --start, --stop, --step, --count");
+      throw OptionError("--times stands alone: without --start, --stop, --step, --count");
     }
-    wanted.list = wanted_dates(options.times, rule, doubts);
+    wanted.list = times_of(options, rule, doubts);
     segments = resampled();
   }
   const std::size_t spans = std::max<std::size_t>({options.starts.size(), options.stops.size(), 1});
   if (spans > 1 && options.starts.size() != options.stops.size()) {
-    throw InputError(fmt::format("{} times --start and {} times --stop; they come in pairs", options.starts.size(),
-                                 options.stops.size()));
+    throw OptionError(fmt::format("{} times --start and {} times --stop; they come in pairs", options.starts.size(),
+                                  options.stops.size()));
   }
   for (std::size_t i = 0; options.times.empty() && i < spans; ++i) {
     // "+60 d" counts from the history's first instant for --start, from the start for --stop.
@@ -194,7 +197,7 @@ void export_history(const PropagateOptions& options, const EphemerisFormat& form
 /// Whether to write the attitude history instead of the motion of a body: of a file that has one, and no complete body.
 bool is_history_wanted(const PropagateOptions& options, const BodyAndHistory& file) {
   if (!file.history) {
-    if (options.history) throw InputError({options.body_file, 0}, "holds no attitude history");
+    if (options.history) throw InputError("holds no attitude history");
     return false;
   }
   if (file.is_table) return true;
@@ -245,8 +248,8 @@ void propagate(PropagateOptions options) {
   if (scene != nullptr) {
     complete(options, *scene);
   } else if (options.full || options.most_evaluations) {
-    throw InputError({options.body_file, 0}, fmt::format("is no scene: {} means something for scenes only",
-                                                         options.full ? "--full" : "--max-evaluations"));
+    throw InputError(
+        fmt::format("is no scene: {} means something for scenes only", options.full ? "--full" : "--max-evaluations"));
   }
   BodyAndHistory file =
       scene != nullptr ? BodyAndHistory{scene->body, std::nullopt} : std::get<BodyAndHistory>(std::move(input));
@@ -257,31 +260,22 @@ void propagate(PropagateOptions options) {
     return;
   }
   if (options.output.momentum && body.any_inertia) {
-    throw InputError({options.body_file, 0}, "has no inertia, and --momentum needs an inertia");
+    throw InputError("has no inertia, and --momentum needs an inertia");
   }
   const Frame out_frame = scene ? scene->frame : frame_of(options);
   const TimeScale scale = scale_of(options);
   const Method& chosen = in_option(
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
-  const BodyInMotion moving = in_file(options.body_file, [&] {
-    if (scene == nullptr) return free_motion_of(body, out_frame, chosen);
-    try {
-      return planned_motion_of(*scene, options.full, options.most_evaluations);
-    } catch (const ComputationError& error) {
-      throw ComputationError(options.body_file + ": " + error.what());
-    }
-  });
+  const BodyInMotion moving = scene != nullptr ? planned_motion_of(*scene, options.full, options.most_evaluations)
+                                               : free_motion_of(body, out_frame, chosen);
   std::optional<double> tolerance_rad;
   if (!options.tolerance.empty()) tolerance_rad = tolerance_of(options);
   const auto rows_between = [&](Instant start, Instant stop) {
-    return in_file(options.body_file, [&] {
-      return rows_for_tolerance(moving, start, stop, scale, *tolerance_rad, format.interpolation);
-    });
+    return rows_for_tolerance(moving, start, stop, scale, *tolerance_rad, format.interpolation);
   };
   std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
-    segments.push_back(
-        in_file(options.body_file, [&] { return rows_of(moving, std::move(grid), tolerance_rad, &format); }));
+    segments.push_back(rows_of(moving, std::move(grid), tolerance_rad, &format));
     if (!scene && !chosen.exact_everywhere) measure_error(moving, segments.back());
   }
   write_watched(options.output, format, segments);
@@ -355,7 +349,7 @@ void add_propagate(CLI::App& app) {
     options->frame_given = command->get_option("--frame")->count() > 0;
     options->scale_given = command->get_option("--scale")->count() > 0;
     options->output.promises_interpolation = !options->tolerance.empty();
-    propagate(*options);
+    in_file(options->body_file, [&] { propagate(*options); });
   });
 }
 

@@ -10,9 +10,11 @@
 #include <system_error>
 #include <utility>
 
+#include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/write/aem.hpp"
 #include "signals.hpp"
 
 namespace polhode::tools {
@@ -62,29 +64,35 @@ const EphemerisFormat& format_of(const OutputOptions& options) {
   const EphemerisFormat* format = ephemeris_format_of(options.format.empty() ? options.path : "." + options.format);
   const auto is_ending = [&](std::string_view ending) { return lower_case("." + options.format) == ending; };
   if (options.format.empty() && format == nullptr) {
-    throw InputError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
-                                 options.path, endings_of_formats()));
+    throw OptionError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
+                                  options.path, endings_of_formats()));
   }
   if (!options.format.empty() &&
       (format == nullptr || std::none_of(format->endings.begin(), format->endings.end(), is_ending))) {
-    throw InputError(fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format,
-                                 endings_of_formats()));
+    throw OptionError(fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format,
+                                  endings_of_formats()));
   }
   return *format;
 }
 
 void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& format) {
   if (options.momentum && !format.has_momentum) {
-    throw InputError(fmt::format("--momentum is for {}: {} holds no angular momentum",
-                                 endings_of_formats(&EphemerisFormat::has_momentum), format.name));
+    throw OptionError(fmt::format("--momentum is for {}: {} holds no angular momentum",
+                                  endings_of_formats(&EphemerisFormat::has_momentum), format.name));
   }
   if (format.is_message) {
+    if (!options.adm.empty()) in_option("--adm", [&] { return adm_version(options.adm); });
+    if (!options.attitude_type.empty()) in_option("--attitude-type", [&] { return aem_type(options.attitude_type); });
+    if (!options.euler_sequence.empty()) {
+      in_option("--euler-sequence", [&] { return EulerSequence(options.euler_sequence); });
+    }
     const bool has_angles = upper_case(options.attitude_type).starts_with("EULER");
     if (!has_angles && !options.euler_sequence.empty()) {
-      throw InputError("--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
+      throw OptionError(
+          "--euler-sequence is for Euler angles; the rows are quaternions unless --attitude-type says so");
     }
     if (has_angles && options.promises_interpolation) {
-      throw InputError("--tolerance is promised for quaternions; take another --attitude-type or --step");
+      throw OptionError("--tolerance is promised for quaternions; take another --attitude-type or --step");
     }
     return;
   }
@@ -92,8 +100,8 @@ void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& for
        {std::pair("--adm", &options.adm), std::pair("--attitude-type", &options.attitude_type),
         std::pair("--euler-sequence", &options.euler_sequence)}) {
     if (!value->empty()) {
-      throw InputError(fmt::format("{} is for {}; {} is {}", option, endings_of_formats(&EphemerisFormat::is_message),
-                                   options.path, format.name));
+      throw OptionError(fmt::format("{} is for {}; {} is {}", option, endings_of_formats(&EphemerisFormat::is_message),
+                                    options.path, format.name));
     }
   }
 }
@@ -104,7 +112,7 @@ void refuse_overwriting(const OutputOptions& options, std::span<const std::strin
   if (options.path == "-" || !fs::is_regular_file(options.path, absent)) return;
   for (const std::string& input : inputs) {
     if (fs::equivalent(options.path, input, absent) && !absent) {
-      throw InputError(
+      throw OptionError(
           fmt::format("--output {} is the file {} that is read; another name is wanted", options.path, input));
     }
   }

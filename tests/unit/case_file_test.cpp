@@ -8,9 +8,29 @@
 #include <string>
 
 #include "polhode/base/error.hpp"
+#include "polhode/base/located.hpp"
 
 namespace polhode {
 namespace {
+
+TEST(InputErrors, TakeThePlaceThatIsNearestToTheFault) {
+  const auto fault = [](const char* file, const InputError& problem) {
+    try {
+      located({"scene.toml", 7}, [&] { located({file, 3}, [&] { throw problem; }); });
+    } catch (const InputError& error) {
+      return error;
+    }
+    return InputError("none");
+  };
+  const InputError unplaced = fault("body.toml", InputError("is wrong")),
+                   placed = fault("body.toml", {{"a.obj", 9}, "is wrong"});
+  EXPECT_STREQ(unplaced.what(), "body.toml:3: is wrong");
+  EXPECT_EQ(unplaced.where().file, "body.toml");
+  EXPECT_EQ(unplaced.where().line, 3U);
+  EXPECT_EQ(unplaced.message(), "is wrong");
+  EXPECT_STREQ(placed.what(), "a.obj:9: is wrong");
+  EXPECT_TRUE(InputError("is wrong").where().file.empty());
+}
 
 /// A file in the temporary folder that goes with its test.
 class CaseFileTest : public ::testing::Test {
