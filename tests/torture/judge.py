@@ -227,13 +227,11 @@ def check_message(text, arguments_only):
     return None
 
 
-# What lies between the arguments and a file that is sound.
-OF_ARGUMENTS = re.compile("is outside of the attitude history|segments, which only these hold")
-
-
-def names_file(text, names):
+def names_origin(text, names, command):
+    """Whether a message says where the fault is: in a file that was read, or in the option of the command that it begins with."""
     last = text.removesuffix("\n").split("\n")[-1]  # a name may hold what Unicode calls the end of a line
-    return any(name in last for name in names) or OF_ARGUMENTS.search(last) is not None
+    option = re.match(r"polhode: (--[a-z0-9-]+)", last)
+    return any(name in last for name in names) or (option is not None and option[1] in command)
 
 
 def judge(run):
@@ -274,8 +272,8 @@ def judge(run):
             wrong.append("status 2 and yet words on standard output")
         if run.status in (1, 2, 3):
             found = check_message(run.stderr, not run.seed.target)
-            if not found and run.status == 2 and run.seed.target and not names_file(run.stderr, names):
-                found = "the message names no file"
+            if not found and run.status == 2 and run.seed.target and not names_origin(run.stderr, names, run.command):
+                found = "the message names no file and no option"
             if found:
                 wrong.append(f"status {run.status}: {found}")
     return wrong
