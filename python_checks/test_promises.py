@@ -95,6 +95,22 @@ def test_what_ran_under_torques_is_what_the_file_says(tmp_path):
         assert predicted is None or used / 2 < float(predicted[1]) < used * 2
 
 
+@pytest.mark.parametrize("scene", sorted((ROOT / "data/scenes").glob("*.toml")), ids=lambda path: path.stem)
+def test_every_scene_keeps_what_its_file_promises(tmp_path, scene):
+    """The whole scene as it is planned, against its full model to 1e-9 rad, which unit tests hold against another method."""
+    rows = {}
+    for kind, options in ("planned", []), ("full", ["--full"]):
+        out = tmp_path / f"{kind}.fits"
+        result = run("propagate", scene, "-o", out, "--count", "60", *options)
+        header, q = rows[kind] = read(out)
+        assert f"method {header['METHOD']}, {header['TORQEVAL']:.0f} torque evaluations" in result.stderr
+        assert f"rows good to {header['MAXERR']:.1e} rad ({header['ERRORIS'][:20]}" in result.stderr
+        assert header["METHOD"] in ("series", "splitting, few kicks per turn") and header["TORQEVAL"] > 0
+    accuracy_rad = float(re.search(r"accuracy +(\S+) rad", run("plan", scene).stdout)[1])
+    assert rows["planned"][0]["MAXERR"] <= 1.01 * accuracy_rad and rows["full"][0]["MAXERR"] <= 1.1e-9
+    assert_within(angle_rad(rows["planned"][1], rows["full"][1]), rows["planned"][0]["MAXERR"] + rows["full"][0]["MAXERR"])
+
+
 @pytest.mark.parametrize("accuracy", ["1e-17 rad", "1e-14 rad"])
 def test_an_accuracy_below_rounding_is_refused(tmp_path, accuracy):
     scene = (ROOT / "data/scenes/spin-up.toml").read_text().replace("bodies/", f"{ROOT}/data/scenes/bodies/")

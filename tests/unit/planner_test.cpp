@@ -51,9 +51,23 @@ TEST(Planner, EverySceneStaysWithinItsAccuracyOfTheFullModel) {
     ASSERT_LE(plan.error_rad, scene.accuracy_rad) << scene.name;
     EXPECT_EQ(full.dropped_rad, 0.0);
     const PlannedMotion cheap = planned_motion(plan, body, 0.0, last_s), all = planned_motion(full, body, 0.0, last_s);
+    const TorquedMotion truth(body, scene.torques, {1e-10, 0.0, last_s, "extrapolation"});  // another method than both
+    ASSERT_EQ(truth.outcome(), Outcome::done) << scene.name;
     double worst = 0.0;
-    for (int i = 0; i <= 20; ++i) worst = std::max(worst, turned_rad(*cheap.motion, *all.motion, last_s * i / 20.0));
+    for (int i = 0; i <= 20; ++i) {
+      const double t_s = last_s * i / 20.0;
+      worst = std::max(worst, turned_rad(*cheap.motion, *all.motion, t_s));
+      for (const PlannedMotion* planned : {&cheap, &all}) {
+        EXPECT_LE(turned_rad(*planned->motion, truth, t_s), *planned->account.max_error_rad + 1e-10)
+            << scene.name << " by " << planned->account.method << " at " << t_s;
+      }
+    }
     EXPECT_LE(worst, plan.error_rad) << scene.name;
+    EXPECT_LE(*cheap.account.max_error_rad, scene.accuracy_rad) << scene.name;
+    if (const auto* ran = dynamic_cast<const TorquedMotion*>(all.motion.get())) {
+      EXPECT_EQ(all.account.method, ran->method()) << scene.name;
+      EXPECT_EQ(all.account.torque_evaluations, ran->torque_evaluations()) << scene.name;
+    }
     // Where all is kept and the accuracy is high, the two differ by luck only.
     EXPECT_LE(static_cast<double>(cheap.account.torque_evaluations),
               1.2 * static_cast<double>(all.account.torque_evaluations))

@@ -350,6 +350,39 @@ TEST(TorquedMotion, BothMethodsAgreeWithinTheTolerance) {
   }
 }
 
+/// What an account says is what ran, and what it promises holds, by whichever method.
+TEST(TorquedMotion, EveryMethodAccountsForWhatRan) {
+  const FreeBody body = satellite({0.002, 0.001, 0.006});
+  const Torques torques = gravity(0.3);
+  constexpr double span_s = 20000.0;
+  const TorquedMotion truth(body, torques, {1e-13, 0.0, span_s, "extrapolation"});
+  ASSERT_EQ(truth.outcome(), Outcome::done);
+  std::vector<std::string_view> methods(torqued_motion_methods().begin(), torqued_motion_methods().end());
+  for (const SplittingScheme& scheme : splitting_schemes()) methods.push_back(scheme.name);
+  int promises = 0;
+  for (const std::string_view method : methods) {
+    for (const double tolerance : {1e-3, 1e-7}) {
+      const TorquedMotion motion(body, torques, by(method, {tolerance, 0.0, span_s}));
+      const MotionAccount account = motion.account();
+      EXPECT_EQ(account.method, method == "auto" ? "series" : method);
+      EXPECT_EQ(account.torque_evaluations, motion.torque_evaluations()) << method;
+      EXPECT_GT(account.torque_evaluations, 0U) << method;
+      EXPECT_EQ(account.max_error_rad.has_value(), motion.outcome() == Outcome::done) << method;
+      EXPECT_FALSE(account.error_meaning.empty()) << method;
+      if (!account.max_error_rad) continue;
+      ++promises;
+      EXPECT_EQ(*account.max_error_rad, tolerance) << method;
+      for (int i = 0; i <= 100; ++i) {
+        const double t_s = span_s * i / 100.0;
+        const double off_rad =
+            rotation_angle_rad(motion.at(t_s).q_inertial_from_body, truth.at(t_s).q_inertial_from_body);
+        EXPECT_LE(off_rad, tolerance) << method << " at " << t_s;
+      }
+    }
+  }
+  EXPECT_GT(promises, 2 * static_cast<int>(torqued_motion_methods().size()));
+}
+
 TEST(TorquedMotion, BetweenStepsIsAsGoodAsAtTheirEnds) {
   const FreeBody body = satellite();
   const TorquedMotion motion(body, gravity(0.1), {1e-8, -3000.0, 3000.0});
