@@ -266,25 +266,16 @@ void propagate(PropagateOptions options) {
   const TimeScale scale = scale_of(options);
   const Method& chosen = in_option(
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
-  const BodyInMotion moving = in_file(options.body_file, [&] {
-    if (scene == nullptr) return free_motion_of(body, out_frame, chosen);
-    try {
-      return planned_motion_of(*scene, options.full, options.most_evaluations);
-    } catch (const ComputationError& error) {
-      throw ComputationError(options.body_file + ": " + error.what());
-    }
-  });
+  const BodyInMotion moving = scene != nullptr ? planned_motion_of(*scene, options.full, options.most_evaluations)
+                                               : free_motion_of(body, out_frame, chosen);
   std::optional<double> tolerance_rad;
   if (!options.tolerance.empty()) tolerance_rad = tolerance_of(options);
   const auto rows_between = [&](Instant start, Instant stop) {
-    return in_file(options.body_file, [&] {
-      return rows_for_tolerance(moving, start, stop, scale, *tolerance_rad, format.interpolation);
-    });
+    return rows_for_tolerance(moving, start, stop, scale, *tolerance_rad, format.interpolation);
   };
   std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
-    segments.push_back(
-        in_file(options.body_file, [&] { return rows_of(moving, std::move(grid), tolerance_rad, &format); }));
+    segments.push_back(rows_of(moving, std::move(grid), tolerance_rad, &format));
     if (!scene && !chosen.exact_everywhere) measure_error(moving, segments.back());
   }
   write_watched(options.output, format, segments);

@@ -251,7 +251,7 @@ def main():
                     found[kind] += 1
                     first_of.setdefault(kind, number)
                 total = sum(statuses.values())
-                if total % 5000 == 0:
+                if total % 1000 == 0:
                     print(f"{total} runs, {sum(found.values())} findings, {time.monotonic() - begin:.0f} s", flush=True)
                 if time.monotonic() - begin > options.seconds:
                     pool.terminate()
