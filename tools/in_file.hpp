@@ -13,9 +13,9 @@ class OptionError : public InputError {
   using InputError::InputError;
 };
 
-/// Runs `work`, and puts the file's name before an InputError of its own that names neither a place nor an option. Each
-/// command does its work within the file that it reads: what the library finds wrong, and where it does not know the
-/// file, is said of that file.
+/// Runs `work`, and puts the file's name before a ComputationError, and before an InputError that names neither a place
+/// nor an option. Each command does its work within the file that it reads: what the library finds wrong, and where it
+/// does not know the file, is said of that file.
 template <class Work>
 auto in_file(const std::string& file, const Work& work) {
   try {
@@ -25,6 +25,8 @@ auto in_file(const std::string& file, const Work& work) {
   } catch (const InputError& error) {
     if (!error.where().file.empty()) throw;
     throw InputError({file, 0}, error.what());
+  } catch (const ComputationError& error) {
+    throw ComputationError(file + ": " + error.what());
   }
 }
 
