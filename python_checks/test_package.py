@@ -1,5 +1,6 @@
 """The Python package gives what the program gives, to the bit, and refuses what it refuses."""
 
+import datetime
 import json
 import os
 import pickle
@@ -341,6 +342,36 @@ def test_a_body_built_without_a_file_is_that_of_the_file():
         polhode.Body("nothing").motion()
 
 
+def test_what_would_lose_its_meaning_as_a_number_is_refused():
+    one = polhode.FreeMotion([1, 2, 3], [1, 0, 0, 0], [0.1, 0.2, 0.3])
+    body = lambda omega: polhode.Body("box", inertia=polhode.Inertia([8, 5, 11]), epoch="2027-01-01 TT", q=[1, 0, 0, 0], omega=omega)
+    assert_within(np.abs(body([1, 2, 3] * u.deg / u.s).omega - np.deg2rad([1, 2, 3])), 1e-16)
+    assert_within(np.abs(polhode.q_from_euler("ZXZ", [90, 0, 0] * u.deg) - polhode.q_from_euler("ZXZ", [np.pi / 2, 0, 0])), 1e-16)
+    with pytest.raises(u.UnitConversionError):
+        body([1, 2, 3] * u.m)
+    masked = np.ma.array([1.0, 2.0], mask=[0, 1])
+    for wrong, message in [
+        (lambda: polhode.Inertia([8, 5, 11] * u.g * u.cm**2, absolute=True), "a Quantity in cm2 g"),
+        (lambda: polhode.Torque.constant([1, 0, 0] * u.mN * u.m), "a Quantity in m mN"),
+        (lambda: polhode.Inertia.from_tensor([[1, 0.1, 0], [-0.3, 1, 0], [0, 0, 1]]), "not symmetric"),
+        (lambda: one(masked), "masked"),
+        (lambda: one(np.array([1 + 2j])), "complex"),
+        (lambda: one(np.datetime64("2000-01-01")), "no time scale"),
+        (lambda: one(datetime.datetime(2000, 1, 1)), "no time scale"),
+    ]:
+        with pytest.raises(polhode.InputError, match=message):
+            wrong()
+    for right in (np.timedelta64(5000, "ms"), datetime.timedelta(seconds=5), 5 * u.s):
+        assert np.array_equal(one(right).q, one(5.0).q)
+    assert np.array_equal(one(np.array([5000], "m8[ms]")).q, one([5.0]).q)
+    with pytest.raises(OverflowError):
+        one(10**400)
+    with pytest.raises(TypeError, match="a file's name"):
+        polhode.read(b"/tmp/x")
+    inertia = polhode.Inertia([8, 5, 11], [0.1, -0.2, 0.3])
+    assert_within(np.abs(inertia.tensor - [[8, 0.1, -0.2], [0.1, 5, 0.3], [-0.2, 0.3, 11]]), 1e-14)
+
+
 def test_partial_derivatives_are_those_of_eval():
     case = polhode.read_case(CASE)
     ours = case.motion().partials(case.times)
@@ -357,13 +388,11 @@ def test_partial_derivatives_are_in_the_axes_of_the_states():
     body = polhode.read(TOUTATIS)
     motion, t, h = body.motion(), 10 * 86400.0, 1e-6
     start, partials = motion(0.0), motion.partials(t)
-    axes = body.inertia.named_from_principal
-    tensor = axes @ np.diag(body.inertia.principal_moments) @ axes.T
 
     def end(theta, momentum):
         turned = start.rotation * Rotation.from_rotvec(theta)
         q = np.roll(turned.as_quat(), 1)
-        omega = np.linalg.solve(tensor, momentum)
+        omega = np.linalg.solve(body.inertia.tensor, momentum)
         return polhode.Body("other", inertia=body.inertia, epoch=motion.epoch, q=q, omega=omega, frame=start.frame).motion()(t)
 
     size = np.linalg.norm(start.momentum)

@@ -39,7 +39,7 @@ Inertia make_inertia(const Given<Numbers>& moments, const std::optional<Given<Nu
 
 BodyObject make_body(const std::string& name, const std::optional<Inertia>& inertia,
                      const std::optional<Given<When>>& epoch, const std::string& frame,
-                     const std::optional<Given<Attitude>>& q, const std::optional<Given<Numbers>>& omega,
+                     const std::optional<Given<Attitude>>& q, const std::optional<Given<Rates>>& omega,
                      const std::string& source, const std::string& id, std::optional<double> period_uncertainty) {
   Body body;
   body.name = name;
@@ -148,7 +148,13 @@ void bind_inertia(nb::module_& m) {
       .def_static(
           "from_tensor",
           [](const Given<Numbers>& tensor, bool absolute) {
-            return inertia_from_tensor(tensor->matrix3("the tensor"), absolute);
+            const Matrix3 matrix = tensor->matrix3("the tensor");
+            const double off = (matrix - matrix.transpose()).cwiseAbs().maxCoeff();
+            if (!(off <= 1e-9 * matrix.cwiseAbs().maxCoeff())) {
+              throw InputError(
+                  fmt::format("the tensor is not symmetric: elements differ by {} from those across", off));
+            }
+            return inertia_from_tensor(0.5 * (matrix + matrix.transpose()), absolute);
           },
           "tensor"_a, nb::kw_only(), "absolute"_a = false, "From a symmetric tensor, shape (3, 3).")
       .def_prop_ro(
@@ -157,6 +163,13 @@ void bind_inertia(nb::module_& m) {
       .def_prop_ro(
           "named_from_principal", [](const Inertia& self) { return array_of(self.named_from_principal); },
           "The principal axes, as columns, in the named axes: v_named = R v_principal. Shape (3, 3).")
+      .def_prop_ro(
+          "tensor",
+          [](const Inertia& self) {
+            const Matrix3& R = self.named_from_principal;
+            return array_of(Matrix3(R * self.principal_moments.asDiagonal() * R.transpose()));
+          },
+          "In the named axes, about the centre of mass: shape (3, 3), so that momentum = tensor @ omega.")
       .def_ro("absolute", &Inertia::absolute, "Whether the moments are in kg m2.")
       .def_prop_ro(
           "ellipsoid_axis_ratios", [](const Inertia& self) { return array_of(equivalent_ellipsoid_ratios(self)); },
@@ -244,7 +257,7 @@ void bind_spin_solutions(nb::module_& m) {
 
   m.def(
       "q_from_euler",
-      [](const std::string& sequence, const Given<Numbers>& angles_rad) {
+      [](const std::string& sequence, const Given<Angles>& angles_rad) {
         return array_of(q_frame_from_body(EulerSequence(sequence), angles_rad->vector3("angles_rad")));
       },
       "sequence"_a, "angles_rad"_a,
@@ -258,7 +271,7 @@ void bind_spin_solutions(nb::module_& m) {
       "sequence"_a, "q"_a, "The three angles of an attitude, rad; the inverse of q_from_euler.");
   m.def(
       "omega_from_euler_rates",
-      [](const std::string& sequence, const Given<Numbers>& angles_rad, const Given<Numbers>& rates_rad_s) {
+      [](const std::string& sequence, const Given<Angles>& angles_rad, const Given<Rates>& rates_rad_s) {
         return array_of(omega_body_rad_s(EulerSequence(sequence), angles_rad->vector3("angles_rad"),
                                          rates_rad_s->vector3("rates_rad_s")));
       },
@@ -266,7 +279,7 @@ void bind_spin_solutions(nb::module_& m) {
       "Angular velocity in body axes of angles that change at these rates.");
   m.def(
       "euler_rates",
-      [](const std::string& sequence, const Given<Numbers>& angles_rad, const Given<Numbers>& omega) {
+      [](const std::string& sequence, const Given<Angles>& angles_rad, const Given<Rates>& omega) {
         return array_of(
             euler_rates_rad_s(EulerSequence(sequence), angles_rad->vector3("angles_rad"), omega->vector3("omega")));
       },
@@ -286,7 +299,7 @@ void bind_body(nb::module_& m) {
           "__init__",
           [](BodyObject* self, const std::string& name, const std::optional<Inertia>& inertia,
              const std::optional<Given<When>>& epoch, const std::string& frame, const std::optional<Given<Attitude>>& q,
-             const std::optional<Given<Numbers>>& omega, const std::string& source, const std::string& id,
+             const std::optional<Given<Rates>>& omega, const std::string& source, const std::string& id,
              std::optional<double> period_uncertainty) {
             new (self) BodyObject(make_body(name, inertia, epoch, frame, q, omega, source, id, period_uncertainty));
           },

@@ -227,7 +227,7 @@ std::optional<FloatArray> rates_of(const AttitudeSegment& segment) {
 }
 
 HistoryObject make_history(const std::string& object, const nb::object& times, const Given<Numbers>& q,
-                           const std::optional<Given<Numbers>>& omega, const std::string& frame_name,
+                           const std::optional<Given<Rates>>& omega, const std::string& frame_name,
                            const std::string& body_axes, const std::string& scale_name) {
   const std::vector<Instant> instants = instants_of(times);
   if (q->shape != Shape{instants.size(), 4})
@@ -361,7 +361,7 @@ void bind_history(nb::module_& m) {
       .def(
           "__init__",
           [](HistoryObject* self, const std::string& object, const nb::object& times, const Given<Numbers>& q,
-             const std::optional<Given<Numbers>>& omega, const std::string& frame, const std::string& body_axes,
+             const std::optional<Given<Rates>>& omega, const std::string& frame, const std::string& body_axes,
              const std::string& scale) {
             new (self) HistoryObject(make_history(object, times, q, omega, frame, body_axes, scale));
           },

@@ -29,11 +29,21 @@ Seconds seconds_of_jd(double jd1, double jd2) {
   return exact_product(days.high, day_s) + exact_product(jd2, day_s);
 }
 
+/// Python's own exception where it is none, or too large.
+double number_of(nb::handle object) {
+  const double number = PyFloat_AsDouble(object.ptr());
+  if (number == -1.0 && PyErr_Occurred() != nullptr) nb::raise_python_error();
+  return number;
+}
+
 bool is_time(nb::handle object) { return is_instance_of(object, "astropy.time", "Time"); }
 bool is_quantity(nb::handle object) { return is_instance_of(object, "astropy.units", "Quantity"); }
 
 /// The two parts of a Time or TimeDelta, in TT.
 std::pair<Numbers, Numbers> julian_date(nb::handle time) {
+  if (nb::cast<bool>(time.attr("masked")) && nb::cast<bool>(numpy("any")(time.attr("mask")))) {
+    throw InputError("times are masked; times without a mask are wanted");
+  }
   const nb::object tt = time.attr("tt");
   return {numbers_of(tt.attr("jd1")), numbers_of(tt.attr("jd2"))};
 }
@@ -58,8 +68,31 @@ Matrix3 Numbers::matrix3(const char* what) const {
   return Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(data);
 }
 
-Numbers numbers_of(nb::handle object) {
-  return numbers_of_array(numpy("asarray")(object, "dtype"_a = "float64", "order"_a = "C"));
+Numbers numbers_of(nb::handle object, const char* unit) {
+  if (is_quantity(object)) {
+    const auto given = nb::cast<std::string>(object.attr("unit").attr("to_string")());
+    if (unit == nullptr && !given.empty()) {
+      throw InputError(
+          fmt::format("a Quantity in {} is given where plain numbers are wanted; the documentation says in "
+                      "which unit, to_value() converts",
+                      given));
+    }
+    return numbers_of(object.attr("to_value")(unit == nullptr ? "" : unit));
+  }
+  if (is_instance_of(object, "numpy.ma", "MaskedArray") &&
+      nb::cast<bool>(nb::module_::import_("numpy.ma").attr("is_masked")(object))) {
+    throw InputError("numbers are masked; numbers without a mask are wanted");
+  }
+  const nb::object array = numpy("asarray")(object);
+  const auto kind = nb::cast<std::string>(array.attr("dtype").attr("kind"));
+  if (kind == "M") {
+    throw InputError("datetime64 has no time scale; a date as text with its scale is wanted, or a Time of astropy");
+  }
+  if (kind == "m" || kind == "c") {
+    throw InputError(fmt::format("{} are given where plain numbers are wanted",
+                                 kind == "m" ? "lengths of time (timedelta64)" : "complex numbers"));
+  }
+  return numbers_of_array(numpy("asarray")(array, "dtype"_a = "float64", "order"_a = "C"));
 }
 
 Attitude attitude_of(nb::handle object) {
@@ -131,7 +164,11 @@ Elapsed elapsed_of(nb::handle times, const std::optional<Instant>& epoch) {
     elapsed.high = {std::move(array), high, shape};
     return elapsed;
   };
-  if (PyFloat_Check(times.ptr()) || PyLong_Check(times.ptr())) return scalar({nb::cast<double>(times), 0.0});
+  if (PyFloat_Check(times.ptr()) || PyLong_Check(times.ptr())) return scalar({number_of(times), 0.0});
+  if (is_instance_of(times, "datetime", "timedelta")) return scalar({number_of(times.attr("total_seconds")()), 0.0});
+  if (is_instance_of(times, "datetime", "date")) {
+    throw InputError("a datetime has no time scale; a date as text with its scale is wanted, or a Time of astropy");
+  }
   if (is_time(times)) {
     const auto [jd1, jd2] = julian_date(times);
     std::vector<Seconds> seconds;
@@ -152,6 +189,10 @@ Elapsed elapsed_of(nb::handle times, const std::optional<Instant>& epoch) {
       for (const Instant& instant : instants_of(times)) seconds.push_back(from_epoch(instant));
       return pairs(seconds, {seconds.size()});
     }
+  }
+  const nb::object array = numpy("asarray")(times);
+  if (nb::cast<std::string>(array.attr("dtype").attr("kind")) == "m") {
+    return numbers(numbers_of(array.attr("__truediv__")(numpy("timedelta64")(1, "s"))));
   }
   return numbers(numbers_of(times));
 }
@@ -202,6 +243,10 @@ nb::object from_json(const std::string& text) { return nb::module_::import_("jso
 
 Numbers kind_of(nb::handle object, Numbers* /*unused*/) { return numbers_of(object); }
 
+Rates kind_of(nb::handle object, Rates* /*unused*/) { return {numbers_of(object, "rad/s")}; }
+
+Angles kind_of(nb::handle object, Angles* /*unused*/) { return {numbers_of(object, "rad")}; }
+
 Attitude kind_of(nb::handle object, Attitude* /*unused*/) { return attitude_of(object); }
 
 When kind_of(nb::handle object, When* /*unused*/) {
@@ -219,12 +264,13 @@ Duration kind_of(nb::handle object, Duration* /*unused*/) {
 
 PlaneAngle kind_of(nb::handle object, PlaneAngle* /*unused*/) {
   if (nb::isinstance<nb::str>(object)) return {parse_angle_rad(nb::cast<std::string>(object))};
-  if (is_instance_of(object, "astropy.units", "Quantity")) return {nb::cast<double>(object.attr("to_value")("rad"))};
-  return {nb::cast<double>(object)};
+  return {number_of(is_quantity(object) ? object.attr("to_value")("rad") : nb::borrow(object))};
 }
 
 FileName kind_of(nb::handle object, FileName* /*unused*/) {
-  return {nb::cast<std::string>(nb::module_::import_("os").attr("fspath")(object))};
+  const nb::object path = nb::module_::import_("os").attr("fspath")(object);
+  if (!nb::isinstance<nb::str>(path)) throw nb::type_error("a file's name is text or a Path");
+  return {nb::cast<std::string>(path)};
 }
 
 }  // namespace polhode::python

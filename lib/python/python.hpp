@@ -38,6 +38,10 @@ struct Numbers {
   Matrix3 matrix3(const char* what) const;
 };
 
+/// The same in rad/s, and in rad: a Quantity of astropy is converted.
+struct Rates : Numbers {};
+struct Angles : Numbers {};
+
 /// An argument: unit quaternion, scalar first, or a Rotation of scipy.
 struct Attitude {
   Quaternion q;
@@ -80,13 +84,17 @@ class Given {
 };
 
 Numbers kind_of(nb::handle object, Numbers*);
+Rates kind_of(nb::handle object, Rates*);
+Angles kind_of(nb::handle object, Angles*);
 Attitude kind_of(nb::handle object, Attitude*);
 When kind_of(nb::handle object, When*);
 Duration kind_of(nb::handle object, Duration*);
 PlaneAngle kind_of(nb::handle object, PlaneAngle*);
 FileName kind_of(nb::handle object, FileName*);
 
-Numbers numbers_of(nb::handle object);
+/// Throws InputError for what would lose its meaning as plain numbers: a Quantity (unless `unit` says of what unit
+/// numbers are wanted), dates, complex numbers, masked elements.
+Numbers numbers_of(nb::handle object, const char* unit = nullptr);
 Attitude attitude_of(nb::handle object);
 std::optional<Instant> instant_of(nb::handle object);  ///< nothing: it is none
 std::vector<Instant> instants_of(nb::handle object);   ///< of a list or of an astropy Time of one dimension
@@ -139,6 +147,8 @@ namespace nanobind::detail {
   }
 
 POLHODE_ARGUMENT(Numbers, "numpy.typing.ArrayLike");
+POLHODE_ARGUMENT(Rates, "numpy.typing.ArrayLike | astropy.units.Quantity");
+POLHODE_ARGUMENT(Angles, "numpy.typing.ArrayLike | astropy.units.Quantity");
 POLHODE_ARGUMENT(Attitude, "numpy.typing.ArrayLike | scipy.spatial.transform.Rotation");
 POLHODE_ARGUMENT(When, "Instant | str | astropy.time.Time");
 POLHODE_ARGUMENT(Duration, "float | str | astropy.units.Quantity");

@@ -176,7 +176,7 @@ void bind_torque(nb::module_& m) {
       .def_prop_ro("name", [](const Torque& self) { return std::string(torque_name(self)); })
       .def(
           "__call__",
-          [](const Torque& self, double t_s, const Given<Attitude>& q, const Given<Numbers>& omega,
+          [](const Torque& self, double t_s, const Given<Attitude>& q, const Given<Rates>& omega,
              const Given<Numbers>& principal_moments) {
             Torques all({self});
             const Torques at_work = all.jumps_s().empty() ? all : all.during(t_s);

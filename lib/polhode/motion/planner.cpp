@@ -378,11 +378,12 @@ PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double firs
     TorquedOptions options{plan.tolerance_rad, first_s, last_s};
     options.max_torque_evaluations = most - std::min(in_vain, most - 1);
     auto motion = std::make_unique<TorquedMotion>(body, plan.kept, options);
-    if (motion->outcome() == Outcome::stopped && motion->torque_evaluations() >= options.max_torque_evaluations) {
+    if (motion->outcome() == Outcome::stopped) {
       throw ComputationError(
-          fmt::format("the propagation was ended after {} torque evaluations; allow more, or ask for less accuracy or "
-                      "a shorter span",
-                      motion->torque_evaluations() + in_vain));
+          fmt::format("the propagation was ended after {} of the {} torque evaluations that are allowed; allow more, "
+                      "or ask for less "
+                      "accuracy or a shorter span",
+                      motion->torque_evaluations() + in_vain, most));
     }
     if (motion->outcome() != Outcome::done) {
       throw ComputationError(

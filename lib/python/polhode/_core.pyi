@@ -109,6 +109,12 @@ class Inertia:
         """
 
     @property
+    def tensor(self) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        In the named axes, about the centre of mass: shape (3, 3), so that momentum = tensor @ omega.
+        """
+
+    @property
     def absolute(self) -> bool:
         """Whether the moments are in kg m2."""
 
@@ -207,7 +213,7 @@ def q_frame_from_momentum(longitude_rad: float, latitude_rad: float) -> numpy.ty
     v_frame = q v_momentum q*, of axes with z along that direction and x in the plane of it and the frame's z axis.
     """
 
-def q_from_euler(sequence: str, angles_rad: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+def q_from_euler(sequence: str, angles_rad: numpy.typing.ArrayLike | astropy.units.Quantity) -> numpy.typing.NDArray[numpy.float64]:
     """
     The attitude v_frame = q v_body q* of Euler angles about moving axes, 'ZXZ' or '313' (12 sequences): scalar first.
     """
@@ -215,10 +221,10 @@ def q_from_euler(sequence: str, angles_rad: numpy.typing.ArrayLike) -> numpy.typ
 def euler_angles(sequence: str, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation) -> numpy.typing.NDArray[numpy.float64]:
     """The three angles of an attitude, rad; the inverse of q_from_euler."""
 
-def omega_from_euler_rates(sequence: str, angles_rad: numpy.typing.ArrayLike, rates_rad_s: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+def omega_from_euler_rates(sequence: str, angles_rad: numpy.typing.ArrayLike | astropy.units.Quantity, rates_rad_s: numpy.typing.ArrayLike | astropy.units.Quantity) -> numpy.typing.NDArray[numpy.float64]:
     """Angular velocity in body axes of angles that change at these rates."""
 
-def euler_rates(sequence: str, angles_rad: numpy.typing.ArrayLike, omega: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+def euler_rates(sequence: str, angles_rad: numpy.typing.ArrayLike | astropy.units.Quantity, omega: numpy.typing.ArrayLike | astropy.units.Quantity) -> numpy.typing.NDArray[numpy.float64]:
     """The rates of the angles; the inverse of omega_from_euler_rates."""
 
 class Body:
@@ -226,7 +232,7 @@ class Body:
     A rigid body: inertia, and its spin state at an epoch. `read` makes one from a file; what is not known is None.
     """
 
-    def __init__(self, name: str, *, inertia: Inertia | None = None, epoch: Instant | str | astropy.time.Time | None = None, frame: str = 'ICRF', q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation | None = None, omega: numpy.typing.ArrayLike | None = None, source: str = '', id: str = '', period_uncertainty: float | None = None) -> None:
+    def __init__(self, name: str, *, inertia: Inertia | None = None, epoch: Instant | str | astropy.time.Time | None = None, frame: str = 'ICRF', q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation | None = None, omega: numpy.typing.ArrayLike | astropy.units.Quantity | None = None, source: str = '', id: str = '', period_uncertainty: float | None = None) -> None:
         """
         Without a file. q: attitude at the epoch, v_frame = q v_named q*, scalar first, or a scipy Rotation (any length but 0). omega: rad/s in the named axes. period_uncertainty: one sigma of the periods, as a part of them. Raises InputError.
         """
@@ -381,7 +387,7 @@ class Torque:
     @property
     def name(self) -> str: ...
 
-    def __call__(self, t_s: float, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, omega: numpy.typing.ArrayLike, principal_moments: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
+    def __call__(self, t_s: float, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, omega: numpy.typing.ArrayLike | astropy.units.Quantity, principal_moments: numpy.typing.ArrayLike) -> numpy.typing.NDArray[numpy.float64]:
         """
         The torque from outside at a time, attitude and rate, body axes being the principal ones. Shape (3,).
         """
@@ -739,7 +745,7 @@ class AttitudeHistory:
     An attitude given by rows: a table, or a CCSDS message. `read` makes one from a file.
     """
 
-    def __init__(self, object: str, times: object, q: numpy.typing.ArrayLike, omega: numpy.typing.ArrayLike | None = None, *, frame: str = 'ICRF', body_axes: str = 'SC_BODY_1', scale: str = 'UTC') -> None:
+    def __init__(self, object: str, times: object, q: numpy.typing.ArrayLike, omega: numpy.typing.ArrayLike | astropy.units.Quantity | None = None, *, frame: str = 'ICRF', body_axes: str = 'SC_BODY_1', scale: str = 'UTC') -> None:
         """
         Without a file: instants that increase (an astropy Time, or a list of Instants or dates), attitudes (n, 4) and perhaps rates (n, 3). `scale` is that of its rows where it is written. Raises InputError.
         """
