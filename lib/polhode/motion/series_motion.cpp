@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -203,6 +204,7 @@ struct SeriesMotion::Leg {
   Quaternion inertial_from_fixed;          // of the fixed axes
   std::vector<taylor::StepStart> steps;
   double end_s = 0.0;
+  std::size_t steps_before = 0;  // of the legs before
 };
 
 struct SeriesMotion::Place {
@@ -354,9 +356,12 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
   coefficients_ = builder.coefficients();
   first_s_ = backward.back().end_s;
   last_s_ = forward.back().end_s;
+  std::size_t steps_before = 0;
   for (std::vector<Leg>* legs : {&forward, &backward}) {
     Quaternion before = body.q_inertial_from_body;
     for (Leg& leg : *legs) {
+      leg.steps_before = steps_before;
+      steps_before += leg.steps.size();
       for (taylor::StepStart& start : leg.steps) {
         const Quaternion q = attitude(leg.inertial_from_fixed, start.state[1], start.state[2]);
         start.sign = q.dot(before) < 0.0 ? -1 : 1;
@@ -366,6 +371,7 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
   }
   forward_ = std::make_shared<const std::vector<Leg>>(std::move(forward));
   backward_ = std::make_shared<const std::vector<Leg>>(std::move(backward));
+  memory_ = std::make_shared<Memory>(steps_before);
 }
 
 std::size_t SeriesMotion::steps() const {
@@ -377,10 +383,44 @@ std::size_t SeriesMotion::steps() const {
 }
 
 /// The state of one step as series.
+struct SeriesMotion::Expansion {
+  Place place;
+  Quaternion q_at_start;
+  const double (*coefficients)[taylor::kMostVectors][4];
+};
 struct SeriesMotion::Series {
   Place place;
   Quaternion q_at_start;
   double coefficients[taylor::kMostOrder + 1][taylor::kMostVectors][4];
+};
+
+/// The series of steps that at() was asked for. Several threads may come to a step at the same time: the first one's
+/// series is kept, and theirs have the same bits.
+struct SeriesMotion::Memory {
+  using Coefficients = double[taylor::kMostVectors][4];
+  static constexpr std::size_t kMostBytes = 64U << 20U;
+
+  explicit Memory(std::size_t steps) : series(steps) {}
+  Memory(const Memory&) = delete;
+  Memory& operator=(const Memory&) = delete;
+  ~Memory() {
+    for (std::atomic<Coefficients*>& one : series) delete[] one.load();
+  }
+
+  void keep(std::size_t step, const Coefficients* coefficients, int order) {
+    const auto rows = static_cast<std::size_t>(order) + 1, size = rows * sizeof(Coefficients);
+    if (bytes.fetch_add(size) + size <= kMostBytes) {
+      auto* const copy = new Coefficients[rows];
+      std::copy_n(&coefficients[0][0][0], size / sizeof(double), &copy[0][0][0]);
+      Coefficients* none = nullptr;
+      if (series[step].compare_exchange_strong(none, copy)) return;
+      delete[] copy;
+    }
+    bytes.fetch_sub(size);
+  }
+
+  std::vector<std::atomic<Coefficients*>> series;  // of the steps of all legs, null: not kept
+  std::atomic<std::size_t> bytes{0};
 };
 
 bool SeriesMotion::is_in(const Place& place, double t_s) const {
@@ -411,37 +451,48 @@ SeriesMotion::Place SeriesMotion::place(double t_s) const {
   return {&leg, static_cast<std::size_t>(after == leg.steps.begin() ? 0 : after - leg.steps.begin() - 1)};
 }
 
+Quaternion SeriesMotion::q_at_start(const Place& place) {
+  const taylor::StepStart& start = place.leg->steps[place.step];
+  Quaternion q = attitude(place.leg->inertial_from_fixed, start.state[1], start.state[2]);
+  q.coeffs() *= start.sign;
+  return q;
+}
+
 void SeriesMotion::expand(const Place& place, Series& series) const {
   const Leg& leg = *place.leg;
   const taylor::StepStart& start = leg.steps[place.step];
   const double end =
       place.step + 1 < leg.steps.size() ? leg.steps[place.step + 1].t_high : leg.end_s / leg.equations.unit_s;
   series.place = place;
-  series.q_at_start = attitude(leg.inertial_from_fixed, start.state[1], start.state[2]);
-  series.q_at_start.coeffs() *= start.sign;
+  series.q_at_start = q_at_start(place);
   taylor::best_kernel().coefficients(leg.equations, start, start.order, std::abs(end - start.t_high),
                                      series.coefficients);
 }
 
-State SeriesMotion::state(const Series& series, double t_high_s, double t_low_s) const {
-  const Leg& leg = *series.place.leg;
-  const taylor::StepStart& start = leg.steps[series.place.step];
+State SeriesMotion::state(const Expansion& expansion, double t_high_s, double t_low_s) const {
+  const Leg& leg = *expansion.place.leg;
+  const taylor::StepStart& start = leg.steps[expansion.place.step];
   const double unit_s = leg.equations.unit_s;
   const double t = (t_high_s / unit_s - start.t_high) + (t_low_s / unit_s - start.t_low);
   double vectors[3][4];
-  taylor::best_kernel().evaluate(series.coefficients, start.order, 3, t, vectors);
+  taylor::best_kernel().evaluate(expansion.coefficients, start.order, t, vectors);
   State state;
   state.q_inertial_from_body = attitude(leg.inertial_from_fixed, vectors[1], vectors[2]).normalized();
-  if (state.q_inertial_from_body.dot(series.q_at_start) < 0.0) state.q_inertial_from_body.coeffs() *= -1.0;
+  if (state.q_inertial_from_body.dot(expansion.q_at_start) < 0.0) state.q_inertial_from_body.coeffs() *= -1.0;
   for (int i = 0; i < 3; ++i) state.momentum_body[i] = moments_[i] * vectors[0][i] / unit_s;
   return state;
 }
 
 State SeriesMotion::at(double t_high_s, double t_low_s) const {
   if (std::isnan(t_high_s + t_low_s)) return nan_state();
+  const Place here = place(t_high_s);
+  const std::size_t step = here.leg->steps_before + here.step;
+  const Memory::Coefficients* kept = memory_->series[step].load();
+  if (kept != nullptr) return state({here, q_at_start(here), kept}, t_high_s, t_low_s);
   Series series;
-  expand(place(t_high_s), series);
-  return state(series, t_high_s, t_low_s);
+  expand(here, series);
+  memory_->keep(step, series.coefficients, here.leg->steps[here.step].order);
+  return state({here, series.q_at_start, series.coefficients}, t_high_s, t_low_s);
 }
 
 void SeriesMotion::batch(const TimeArrays& times, const StateArrays& out) const {
@@ -456,7 +507,7 @@ void SeriesMotion::batch(const TimeArrays& times, const StateArrays& out) const 
         const bool is_next = next.leg != nullptr && next.step < next.leg->steps.size() && is_in(next, t_high_s);
         expand(is_next ? next : place(t_high_s), series);
       }
-      at_i = state(series, t_high_s, t_low_s);
+      at_i = state({series.place, series.q_at_start, series.coefficients}, t_high_s, t_low_s);
     }
     out.put(i, at_i);
   }

@@ -24,6 +24,7 @@ class SeriesMotion final : public Motion {
   /// Torques in principal axes.
   SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options);
 
+  /// The first time that it is asked within a step, the step's series is computed, and kept if there is room (64 MB).
   State at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;
 
@@ -36,17 +37,21 @@ class SeriesMotion final : public Motion {
   std::size_t kept_evaluations() const { return kept_coefficients_; }  ///< of the run that is kept
 
  private:
-  struct Leg;     // between two jumps of the torques
-  struct Place;   // a step of a leg
-  struct Series;  // of the state about the start of a step
+  struct Leg;        // between two jumps of the torques
+  struct Place;      // a step of a leg
+  struct Series;     // of the state about the start of a step
+  struct Expansion;  // a step and its series
+  struct Memory;     // of series
   class Builder;
   Place place(double t_s) const;
   bool is_in(const Place& place, double t_s) const;
+  static Quaternion q_at_start(const Place& place);
   void expand(const Place& place, Series& series) const;
-  State state(const Series& series, double t_high_s, double t_low_s) const;
+  State state(const Expansion& expansion, double t_high_s, double t_low_s) const;
 
   Vector3 moments_;
   std::shared_ptr<const std::vector<Leg>> forward_, backward_;  // away from t = 0
+  std::shared_ptr<Memory> memory_;
   double first_s_ = 0.0, last_s_ = 0.0;
   bool whole_ = true;
   double error_rad_ = 0.0;

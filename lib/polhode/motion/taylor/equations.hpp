@@ -100,7 +100,7 @@ struct Kernel {
   void (*coefficients)(const Equations& equations, const StepStart& start, int order, double length,
                        double (*out)[kMostVectors][4]);
   /// The state at a time since the start of the step.
-  void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, int vectors, double t, double (*state)[4]);
+  void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, double t, double (*state)[4]);
 };
 
 /// For the instruction set of ThetaMotion::best_target().

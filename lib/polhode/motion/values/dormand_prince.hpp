@@ -109,24 +109,40 @@ inline constexpr std::array<std::array<double, kStagesOfAll>, 4> kDense{{
 /// Eight unknowns side by side.
 using Unknowns = Eigen::Array<double, 8, 1>;
 
+/// Rows of the tables as types.
+template <std::size_t row>
+struct StageWeights {
+  static constexpr const auto& values = kWeights[row];
+};
+template <std::size_t row>
+struct DenseWeights {
+  static constexpr const auto& values = kDense[row];
+};
+struct ThirdOrder {
+  static constexpr const auto& values = kThirdOrder;
+};
+struct FifthOrderError {
+  static constexpr const auto& values = kFifthOrderError;
+};
+
 /// The sum of weights[j] k[j], without those that are 0.
-template <const auto& weights>
+template <class Weights>
 Unknowns combined(const Unknowns* k) {
   Unknowns sum;
   [&]<std::size_t... j>(std::index_sequence<j...>) {
     for (int lane = 0; lane < 8; ++lane) {
       const auto part = [&]<std::size_t one>(std::integral_constant<std::size_t, one>) {
-        return weights[one] * k[one].data()[lane];
+        return Weights::values[one] * k[one].data()[lane];
       };
       double lanes_sum = 0.0;
       const auto add = [&]<std::size_t one>(std::integral_constant<std::size_t, one> index) {
-        if constexpr (weights[one] != 0.0) lanes_sum += part(index);
+        if constexpr (Weights::values[one] != 0.0) lanes_sum += part(index);
       };
       (add(std::integral_constant<std::size_t, j>{}), ...);
       sum.data()[lane] = lanes_sum;
     }
   }
-  (std::make_index_sequence<weights.size()>{});
+  (std::make_index_sequence<Weights::values.size()>{});
   return sum;
 }
 
@@ -134,20 +150,20 @@ Unknowns combined(const Unknowns* k) {
 template <std::size_t first, std::size_t end, class Rate>
 void stages(const Rate& rate, double t, const Unknowns& y, double h, Unknowns* k) {
   [&]<std::size_t... i>(std::index_sequence<i...>) {
-    ((k[first + i] = rate(t + kAbscissae[first + i] * h, y + h * combined<kWeights[first + i]>(k))), ...);
+    ((k[first + i] = rate(t + kAbscissae[first + i] * h, y + h * combined<StageWeights<first + i>>(k))), ...);
   }
   (std::make_index_sequence<end - first>{});
 }
 
 /// What a step of length h adds, of the stages 0 to 11.
-inline Unknowns increment(double h, const Unknowns* k) { return h * combined<kWeights[kStages]>(k); }
+inline Unknowns increment(double h, const Unknowns* k) { return h * combined<StageWeights<kStages>>(k); }
 
 /// The sums behind the estimates of the error, per unit of time (eq. II.10.16 and 17).
 struct Estimates {
   Unknowns fifth, third;
 
   explicit Estimates(const Unknowns* k)
-      : fifth(combined<kFifthOrderError>(k)), third(combined<kWeights[kStages]>(k) - combined<kThirdOrder>(k)) {}
+      : fifth(combined<FifthOrderError>(k)), third(combined<StageWeights<kStages>>(k) - combined<ThirdOrder>(k)) {}
 
   /// The estimated error of a step of length h, each unknown weighed.
   double error(double h, const Unknowns& weights) const {
@@ -170,10 +186,10 @@ struct Dense {
     f[0] = increment(h, k);
     f[1] = h * k[0] - f[0];
     f[2] = 2.0 * f[0] - h * (k[kStages] + k[0]);
-    f[3] = h * combined<kDense[0]>(k);
-    f[4] = h * combined<kDense[1]>(k);
-    f[5] = h * combined<kDense[2]>(k);
-    f[6] = h * combined<kDense[3]>(k);
+    f[3] = h * combined<DenseWeights<0>>(k);
+    f[4] = h * combined<DenseWeights<1>>(k);
+    f[5] = h * combined<DenseWeights<2>>(k);
+    f[6] = h * combined<DenseWeights<3>>(k);
   }
   /// At the part x of the step.
   Unknowns at(double x) const {
