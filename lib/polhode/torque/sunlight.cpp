@@ -111,7 +111,7 @@ Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
 }
 
 void Sunlight::add_edges(const TorquePlace<double>& place, std::vector<TorqueEdge>& edges) const {
-  if (!has_edges()) return;
+  if (place.orbit == nullptr || !has_edges()) return;
   const Vector3 to_sun = -place.to_body(place.orbit->position_m);
   const double r2 = to_sun.squaredNorm(), pressure = pressure_pa(r2);
   const Vector3 s = to_sun / std::sqrt(r2);

@@ -21,7 +21,7 @@ void add_to(std::array<double, 27>& c, const SunlitNormal& one, SunlightTable::S
   const double a = 1.0 - shares.specular, b = 2.0 * shares.specular, d = 2.0 / 3.0 * shares.diffuse;
   const Vector3 &n = one.normal, &X = one.moment_m3, &P = one.normal_moment_m3;
   for (int k = 0; k < 3; ++k) {
-    double* row = &c[static_cast<std::size_t>(9 * k)];
+    double* row = &c[9U * static_cast<std::size_t>(k)];
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     // (X x s)_k = X_i s_j - X_j s_i
     double cross[3] = {0.0, 0.0, 0.0};

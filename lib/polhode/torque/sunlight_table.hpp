@@ -38,8 +38,8 @@ class SunlightTable {
 
   SunlightTable(const std::vector<SunlitNormal>& normals, Shares shares);
 
-  /// m^3, of a unit vector to the Sun.
-  Vector3 torque_m3(const Vector3& to_sun) const;
+  /// m^3; s is the unit vector to the Sun.
+  Vector3 torque_m3(const Vector3& s) const;
 
   /// The table may be off by this much, m^3: 16 roundings (2^-52) of the sum of |X|. Found: at most 1, for 10 to 20000
   /// normals, in random directions, edge-on to a facet within 1e-15 to 1e-6, and at corners of cells
@@ -71,7 +71,7 @@ class SunlitSum {
  public:
   SunlitSum() = default;
   SunlitSum(const std::vector<SunlitNormal>& normals, SunlightTable::Shares shares);
-  Vector3 torque_m3(const Vector3& to_sun) const;
+  Vector3 torque_m3(const Vector3& s) const;
 
  private:
   struct Four {
