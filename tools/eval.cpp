@@ -1,11 +1,11 @@
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,7 +39,7 @@ std::unique_ptr<Motion> make_free_motion(const FreeBody& body, const EvalOptions
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
   if (options.most_evaluations != 0) throw InputError("--max-evaluations is for torques; the case file has none");
   if (options.step_s != 0.0 && !chosen.fixed_step()) {
-    throw InputError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
+    throw OptionError(fmt::format("--step is for methods of fixed step, {} is not one of them", chosen.name));
   }
   if (!chosen.make_controlled) return chosen.make(body);
   constexpr std::int64_t most_evaluations = 50'000'000;  // some seconds: what takes longer answers NaN
@@ -77,30 +77,17 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
   return motion;
 }
 
-/// A line q m and the 54 numbers of the 6 x 9 matrix per time.
-void eval_partials(const EvalOptions& options) {
-  const CaseFile wanted = read_case_file(options.case_file);
+/// Nothing that --partials has no use for.
+void check_partials(const EvalOptions& options, const CaseFile& wanted) {
   if (!wanted.torques.empty()) {
-    throw InputError(fmt::format("--partials is for free motion; {} has torques ('T' lines)", options.case_file));
+    throw OptionError(fmt::format("--partials is for free motion; {} has torques ('T' lines)", options.case_file));
   }
   if (options.method != "auto" || options.step_s != 0.0 || options.most_evaluations != 0) {
-    throw InputError("--partials is exact; --method, --step and --max-evaluations are not for it");
+    throw OptionError("--partials is exact; --method, --step and --max-evaluations are not for it");
   }
-  const std::size_t count = wanted.times_s.size();
-  std::vector<double> q(4 * count), m(3 * count), matrices(54 * count);
-  FreePartials(wanted.body).batch({wanted.times_s}, StateArrays::of_structures(q.data(), m.data()), matrices);
-  fmt::memory_buffer text;
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto row = [&](const std::vector<double>& values, std::size_t size) {
-      return fmt::join(values.data() + size * i, values.data() + size * (i + 1), " ");
-    };
-    fmt::format_to(std::back_inserter(text), "{:.17g} {:.17g} {:.17g}\n", row(q, 4), row(m, 3), row(matrices, 54));
-  }
-  write_standard_output({text.data(), text.size()});
 }
 
 void eval(const EvalOptions& options) {
-  if (options.partials) return eval_partials(options);
   if (!(options.tolerance_rad >= smallest_tolerance_rad && std::isfinite(options.tolerance_rad))) {
     throw OptionError(fmt::format("--tolerance is {}, an angle of {} rad or more is wanted: doubles hold no less",
                                   options.tolerance_rad, smallest_tolerance_rad));
@@ -109,21 +96,34 @@ void eval(const EvalOptions& options) {
     throw OptionError(fmt::format("--step is {}, a positive number of seconds is wanted", options.step_s));
   }
   const CaseFile wanted = read_case_file(options.case_file);
-  const std::unique_ptr<Motion> motion =
-      wanted.torques.empty() ? make_free_motion(wanted.body, options) : make_torqued_motion(wanted, options);
-  const auto count = static_cast<Eigen::Index>(wanted.times_s.size());
-  Eigen::Matrix4Xd quaternions(4, count);
-  Eigen::Matrix3Xd momenta(3, count);
-  motion->batch({wanted.times_s}, StateArrays::of_structures(quaternions.data(), momenta.data()));
+  const std::size_t count = wanted.times_s.size();
+  std::vector<double> q(4 * count), m(3 * count), matrices;
+  const StateArrays states = StateArrays::of_structures(q.data(), m.data());
+  std::unique_ptr<Motion> motion;
+  if (options.partials) {
+    check_partials(options, wanted);
+    matrices.resize(PartialsMatrix::SizeAtCompileTime * count);
+    FreePartials(wanted.body).batch({wanted.times_s}, states, matrices);
+  } else {
+    motion = wanted.torques.empty() ? make_free_motion(wanted.body, options) : make_torqued_motion(wanted, options);
+    motion->batch({wanted.times_s}, states);
+  }
 
   fmt::memory_buffer text;
   std::size_t failed = 0;
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Vector4d q = quaternions.col(i);
-    const Vector3 m = momenta.col(i);
-    if (!(q.allFinite() && m.allFinite())) ++failed;
-    fmt::format_to(std::back_inserter(text), "{:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n", q[0], q[1],
-                   q[2], q[3], m[0], m[1], m[2]);
+  for (std::size_t i = 0; i < count; ++i) {
+    bool finite = true;
+    const char* before = "";
+    for (const std::vector<double>* rows : {&q, &m, &matrices}) {
+      const std::size_t width = rows->size() / count;
+      for (const double value : std::span(*rows).subspan(width * i, width)) {
+        finite = finite && std::isfinite(value);
+        fmt::format_to(std::back_inserter(text), "{}{:.17g}", before, value);
+        before = " ";
+      }
+    }
+    text.push_back('\n');
+    if (!finite) ++failed;
   }
   if (failed != 0) {
     throw CheckFailed(

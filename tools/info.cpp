@@ -11,7 +11,7 @@
 #include "output.hpp"
 #include "polhode/body/invariants.hpp"
 #include "polhode/read/body.hpp"
-#include "report.hpp"
+#include "polhode/session/body_report.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -94,7 +94,7 @@ void print_history(Page& page, const AttitudeHistory& history) {
   }
 }
 
-void print(Page& page, const Report& report) {
+void print(Page& page, const BodyReport& report) {
   const Body& body = report.body;
   page.heading("{}", body.name);
   page.row("file", report.path);
@@ -176,9 +176,9 @@ void add_info(CLI::App& app) {
     Page page;
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const std::string& file : options->files) {
-      const Report report = in_file(file, [&] { return report_on(file, read_body_and_history(file)); });
+      const BodyReport report = in_file(file, [&] { return report_on(file, read_body_and_history(file)); });
       if (options->as_json) {
-        all.push_back(json(report));
+        all.push_back(nlohmann::ordered_json::parse(json_text(report)));
       } else {
         if (!page.view().empty()) page.gap();
         print(page, report);

@@ -13,7 +13,6 @@
 #include <variant>
 #include <vector>
 
-#include "body_in_motion.hpp"
 #include "dates.hpp"
 #include "in_file.hpp"
 #include "output.hpp"
@@ -25,6 +24,7 @@
 #include "polhode/read/body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
+#include "polhode/session/body_in_motion.hpp"
 #include "rivals/registry.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"

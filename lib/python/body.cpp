@@ -2,8 +2,6 @@
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/variant.h>
 
-#include <nlohmann/json.hpp>
-
 #include "polhode/base/error.hpp"
 #include "polhode/body/euler.hpp"
 #include "polhode/body/invariants.hpp"
@@ -13,8 +11,8 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/mesh_file.hpp"
+#include "polhode/session/body_report.hpp"
 #include "python/objects.hpp"
-#include "tools/report.hpp"
 
 namespace polhode::python {
 namespace {
@@ -73,8 +71,7 @@ BodyObject make_body(const std::string& name, const std::optional<Inertia>& iner
 }
 
 nb::object info(const BodyAndHistory& file, const std::string& path) {
-  return from_json(
-      tools::json(tools::report_on(path, file)).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return from_json(json_text(report_on(path, file)));
 }
 
 template <class Object>
@@ -148,13 +145,7 @@ void bind_inertia(nb::module_& m) {
       .def_static(
           "from_tensor",
           [](const Given<Numbers>& tensor, bool absolute) {
-            const Matrix3 matrix = tensor->matrix3("the tensor");
-            const double off = (matrix - matrix.transpose()).cwiseAbs().maxCoeff();
-            if (!(off <= 1e-9 * matrix.cwiseAbs().maxCoeff())) {
-              throw InputError(
-                  fmt::format("the tensor is not symmetric: elements differ by {} from those across", off));
-            }
-            return inertia_from_tensor(0.5 * (matrix + matrix.transpose()), absolute);
+            return inertia_from_tensor(tensor->matrix3("the tensor"), absolute);
           },
           "tensor"_a, nb::kw_only(), "absolute"_a = false, "From a symmetric tensor, shape (3, 3).")
       .def_prop_ro(
@@ -164,11 +155,7 @@ void bind_inertia(nb::module_& m) {
           "named_from_principal", [](const Inertia& self) { return array_of(self.named_from_principal); },
           "The principal axes, as columns, in the named axes: v_named = R v_principal. Shape (3, 3).")
       .def_prop_ro(
-          "tensor",
-          [](const Inertia& self) {
-            const Matrix3& R = self.named_from_principal;
-            return array_of(Matrix3(R * self.principal_moments.asDiagonal() * R.transpose()));
-          },
+          "tensor", [](const Inertia& self) { return array_of(inertia_tensor(self)); },
           "In the named axes, about the centre of mass: shape (3, 3), so that momentum = tensor @ omega.")
       .def_ro("absolute", &Inertia::absolute, "Whether the moments are in kg m2.")
       .def_prop_ro(
@@ -363,9 +350,9 @@ void bind_body(nb::module_& m) {
           "motion",
           [](const BodyObject& self, const std::string& frame_name, const std::string& method_name) {
             const Method& chosen = method(method_name);
-            return motion_object(std::make_shared<tools::BodyInMotion>(
-                                     tools::free_motion_of(self.body(), inertial_frame(frame_name), chosen)),
-                                 &chosen);
+            return motion_object(
+                std::make_shared<BodyInMotion>(free_motion_of(self.body(), inertial_frame(frame_name), chosen)),
+                &chosen);
           },
           "frame"_a = "ICRF", "method"_a = "auto",
           "The free motion in an inertial frame. Raises InputError naming what the body lacks.")

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 #include <nanobind/stl/shared_ptr.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <functional>
 #include <utility>
@@ -12,9 +10,9 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/time_list.hpp"
+#include "polhode/session/body_report.hpp"
 #include "polhode/write/ephemeris_formats.hpp"
 #include "python/objects.hpp"
-#include "tools/report.hpp"
 
 namespace polhode::python {
 namespace {
@@ -71,7 +69,7 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
                                     const std::optional<Given<PlaneAngle>>& tolerance, const nb::object& times,
                                     const std::string& scale_name) {
   if (!motion.moving) throw InputError("a motion without epoch and frame has no ephemeris; Body.motion gives one");
-  const std::shared_ptr<const tools::BodyInMotion> moving = motion.moving;
+  const std::shared_ptr<const BodyInMotion> moving = motion.moving;
   const Instant epoch = moving->body.state->epoch;
   const TimeScale scale = time_scale(scale_name);
   const Spacing spacing{step, count, tolerance, times};
@@ -80,7 +78,7 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
     if (!start.is_none() || !stop.is_none()) throw InputError("times stand alone, without start and stop");
     const std::vector<Instant> instants = wanted_list(times, epoch);
     return {[moving, grid = TimeGrid::of_list(instants, scale)](const EphemerisFormat* format) {
-      return std::vector{tools::rows_of(*moving, grid, std::nullopt, format)};
+      return std::vector{rows_of(*moving, grid, std::nullopt, format)};
     }};
   }
   if (!step && !count && !tolerance) throw InputError("one of step, count, tolerance and times is wanted");
@@ -97,7 +95,7 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
     const TimeGrid grid = step ? TimeGrid::with_step(first, last, (*step)->seconds, scale)
                                : TimeGrid::with_count(first, last, *count, scale);
     return {[moving, grid](const EphemerisFormat* format) {
-      return std::vector{tools::rows_of(*moving, grid, std::nullopt, format)};
+      return std::vector{rows_of(*moving, grid, std::nullopt, format)};
     }};
   }
   if (!((*tolerance)->rad >= smallest_tolerance_rad)) {
@@ -106,9 +104,9 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
   }
   return {[moving, first, last, scale, rad = (*tolerance)->rad](const EphemerisFormat* format) {
             const std::size_t rows =
-                tools::rows_for_tolerance(*moving, first, last, scale, rad,
-                                          format != nullptr ? format->interpolation : RowInterpolation::great_circle);
-            return std::vector{tools::rows_of(*moving, TimeGrid::with_count(first, last, rows, scale), rad, format)};
+                rows_for_tolerance(*moving, first, last, scale, rad,
+                                   format != nullptr ? format->interpolation : RowInterpolation::great_circle);
+            return std::vector{rows_of(*moving, TimeGrid::with_count(first, last, rows, scale), rad, format)};
           },
           true};
 }
@@ -323,8 +321,8 @@ AttitudeDifference compare_any(nb::handle a, nb::handle b) {
   const nb::handle other = first ? b : a;
   if (nb::isinstance<MotionObject>(other)) return compare(rows, q_icrf_of(nb::cast<const MotionObject&>(other)));
   if (!nb::isinstance<BodyObject>(other)) throw nb::type_error("an AttitudeHistory, a Body or a Motion is wanted");
-  const auto moving = std::make_shared<tools::BodyInMotion>(
-      tools::free_motion_of(nb::cast<const BodyObject&>(other).body(), Frame::icrf, method("auto")));
+  const auto moving = std::make_shared<BodyInMotion>(
+      free_motion_of(nb::cast<const BodyObject&>(other).body(), Frame::icrf, method("auto")));
   return compare(rows, q_icrf_of(*motion_object(moving, &method("auto"))));
 }
 
@@ -396,11 +394,7 @@ void bind_history(nb::module_& m) {
           "What the file says of the body; mostly without inertia.")
       .def_prop_ro("path", [](const HistoryObject& self) { return self.path; })
       .def(
-          "info",
-          [](const HistoryObject& self) {
-            return from_json(tools::json(tools::report_on(self.path, self.file))
-                                 .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
-          },
+          "info", [](const HistoryObject& self) { return from_json(json_text(report_on(self.path, self.file))); },
           nb::sig("def info(self) -> dict[str, typing.Any]"), "What `polhode info --json` prints, as a dict.")
       .def("__call__", &history_state, "t"_a, nb::sig("def __call__(self, t: typing.Any) -> State"),
            "Attitude and rate at t by the history's own interpolation: seconds from `epoch`, Instants, dates, astropy "

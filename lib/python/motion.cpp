@@ -111,7 +111,7 @@ std::optional<std::pair<double, double>> pass_of(const MotionObject& self, const
 
 }  // namespace
 
-std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const tools::BodyInMotion> moving, const Method* method) {
+std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const BodyInMotion> moving, const Method* method) {
   auto self = std::make_shared<MotionObject>();
   self->bodies = {moving->free};
   self->motions = {moving->motion};

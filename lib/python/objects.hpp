@@ -11,8 +11,8 @@
 #include "polhode/motion/motion.hpp"
 #include "polhode/read/input_formats.hpp"
 #include "polhode/read/scene_file.hpp"
+#include "polhode/session/body_in_motion.hpp"
 #include "python/python.hpp"
-#include "tools/body_in_motion.hpp"
 
 namespace polhode::python {
 
@@ -42,7 +42,7 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
   std::vector<std::shared_ptr<const Motion>> motions;  ///< one per body
   const Method* method = nullptr;                      ///< of a free motion
   std::optional<MotionAccount> account;                ///< of one under torques
-  std::shared_ptr<const tools::BodyInMotion> moving;   ///< null: of bodies without epoch and frame
+  std::shared_ptr<const BodyInMotion> moving;          ///< null: of bodies without epoch and frame
 
   /// How states come into the axes that the body's file names; absent where they are the principal ones.
   struct NamedAxes {
@@ -55,7 +55,7 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
 };
 
 /// The motion of a body that is known with its epoch and frame.
-std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const tools::BodyInMotion> moving, const Method* method);
+std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const BodyInMotion> moving, const Method* method);
 
 /// State: at one time, or at an array of them.
 struct StateObject {

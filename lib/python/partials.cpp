@@ -6,25 +6,9 @@
 #include "python/objects.hpp"
 
 namespace polhode::python {
-namespace {
-
-constexpr std::size_t kMatrix = 54;
-
-/// The same derivatives in the axes that the body's file names: turns and momenta at both times are turned.
-void into_named_axes(const Matrix3& named_from_principal, double* matrix) {
-  Eigen::Map<PartialsMatrix> J(matrix);
-  for (int row = 0; row < 6; row += 3) {
-    for (int column = 0; column < 9; column += 3) {
-      const Matrix3 block = named_from_principal * J.block<3, 3>(row, column);
-      J.block<3, 3>(row, column) = column < 6 ? Matrix3(block * named_from_principal.transpose()) : block;
-    }
-  }
-}
-
-}  // namespace
-
 FloatArray partials_of(const MotionObject& self, const nb::object& t, unsigned threads) {
   if (self.method == nullptr || !self.shape.empty()) throw InputError("the free motion of one body is wanted");
+  constexpr std::size_t kMatrix = PartialsMatrix::SizeAtCompileTime;
   const Elapsed times = elapsed_of(t, self.epoch());
   Shape shape = times.scalar ? Shape{} : times.high.shape;
   std::size_t count = 1;
@@ -39,8 +23,9 @@ FloatArray partials_of(const MotionObject& self, const nb::object& t, unsigned t
     const std::span<const double> low = times.scalar ? std::span(&times.low_s, 1) : std::span(times.low);
     batch_threads(partials, {high, low}, StateArrays::of_structures(q.data(), m.data()), {matrices, kMatrix * count},
                   threads);
-    if (self.named) {
-      for (std::size_t i = 0; i < count; ++i) into_named_axes(self.named->named_from_principal, matrices + kMatrix * i);
+    for (std::size_t i = 0; self.named && i < count; ++i) {
+      Eigen::Map<PartialsMatrix> matrix(matrices + kMatrix * i);
+      matrix = named_partials(self.bodies.front(), matrix);
     }
   }
   return {array};

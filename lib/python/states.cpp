@@ -116,12 +116,6 @@ Output output_for(const nb::object& out, const Shape& shape) {
   return output;
 }
 
-StateArrays from_row(StateArrays arrays, std::ptrdiff_t row) {
-  for (double*& q : arrays.q) q += row * arrays.q_stride;
-  for (double*& m : arrays.m) m = m == nullptr ? nullptr : m + row * arrays.m_stride;
-  return arrays;
-}
-
 /// The states of one body in the axes that its file names, computed as an Ephemeris computes its rows.
 void named_states(const MotionObject& self, const TimeArrays& times, const StateArrays& out, double* omega,
                   unsigned threads) {
@@ -131,10 +125,8 @@ void named_states(const MotionObject& self, const TimeArrays& times, const State
     double q_rows[4 * kBlock], m_rows[3 * kBlock];
     for (std::size_t first = begin; first < end; first += kBlock) {
       const std::size_t count = std::min(kBlock, end - first);
-      self.motions.front()->batch(
-          {times.high.subspan(first, count), times.low.empty() ? times.low : times.low.subspan(first, count)},
-          StateArrays::of_structures(q_rows, m_rows));
-      const StateArrays to = from_row(out, static_cast<std::ptrdiff_t>(first));
+      self.motions.front()->batch(part_of(times, first, first + count), StateArrays::of_structures(q_rows, m_rows));
+      const StateArrays to = part_of(out, first);
       for (std::size_t i = 0; i < count; ++i) {
         const auto row = static_cast<std::ptrdiff_t>(i);
         const Eigen::Map<const Eigen::Vector4d> q_row(q_rows + 4 * i);
@@ -203,7 +195,7 @@ void broadcast_states(const MotionObject& self, const Elapsed& times, const Shap
           }
           run_times = {high, low};
         }
-        StateArrays to = from_row(out, row);
+        StateArrays to = part_of(out, static_cast<std::size_t>(row));
         to.q_stride *= run_row;
         to.m_stride *= run_row;
         self.motions[body]->batch(run_times, to);

@@ -64,7 +64,7 @@ std::shared_ptr<MotionObject> motion_of(const SceneObject& self, bool full,
                                         std::optional<std::size_t> most_evaluations) {
   auto moving = [&] {
     const nb::gil_scoped_release others_go_on;
-    return std::make_shared<tools::BodyInMotion>(tools::planned_motion_of(self.scene, full, most_evaluations));
+    return std::make_shared<BodyInMotion>(planned_motion_of(self.scene, full, most_evaluations));
   }();
   auto motion = motion_object(moving, nullptr);
   motion->account = moving->account(moving->first_s, moving->last_s);

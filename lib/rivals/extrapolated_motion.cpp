@@ -191,17 +191,8 @@ ExtrapolatedMotion::ExtrapolatedMotion(const FreeBody& body, const Torques& torq
   check_span(options.first_s, options.last_s);
   const Torques torques = torques_named.in_principal_axes(body.named_from_principal);
   for (Path* path : {&forward_, &backward_}) {
-    const double end_s = path == &forward_ ? options.last_s : options.first_s;
-    std::vector<double> ends_s;
-    for (const double jump_s : torques.jumps_s()) {
-      if (jump_s * end_s > 0.0 && std::abs(jump_s) < std::abs(end_s)) ends_s.push_back(jump_s);
-    }
-    ends_s.push_back(end_s);
-    std::sort(ends_s.begin(), ends_s.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-    double from_s = 0.0;
-    for (const double to_s : ends_s) {
-      path->push_back({torques.during(0.5 * (from_s + to_s)), {{from_s, start_}, {to_s, start_}}});
-      from_s = to_s;
+    for (TorqueStretch& one : stretches(torques, path == &forward_ ? options.last_s : options.first_s)) {
+      path->push_back({std::move(one.torques), {{one.from_s, start_}, {one.to_s, start_}}});
     }
   }
   const double gain = torques.smooth() ? kGain : kGainWithKinks, safety = torques.smooth() ? kSafety : 1.0;
@@ -212,6 +203,7 @@ ExtrapolatedMotion::ExtrapolatedMotion(const FreeBody& body, const Torques& torq
   int poor = 0;  // runs that gained little
   for (int run = 0; whole_ && run < kMostRuns && poor < 2; ++run) {
     Path forward, backward;
+    const std::size_t before = evaluations_;
     whole_ = halve(forward_, forward) && halve(backward_, backward);
     if (!whole_) break;
     double difference_rad = 0.0;
@@ -225,6 +217,7 @@ ExtrapolatedMotion::ExtrapolatedMotion(const FreeBody& body, const Torques& torq
       }
     }
     forward_ = std::move(forward), backward_ = std::move(backward);
+    kept_evaluations_ = evaluations_ - before;
     error_rad_ = difference_rad / gain;
     if (difference_rad <= std::min(gain * options.tolerance_rad / safety, kComparable_rad)) break;
     poor += difference_rad < 0.1 && !(difference_rad < 0.5 * before_rad);
@@ -232,16 +225,14 @@ ExtrapolatedMotion::ExtrapolatedMotion(const FreeBody& body, const Torques& torq
   }
   first_s_ = backward_.back().nodes.back().t_s;
   last_s_ = forward_.back().nodes.back().t_s;
+  for (const Path* path : {&forward_, &backward_}) {
+    for (const Leg& leg : *path) steps_ += leg.nodes.size() - 1;
+  }
 }
 
 State ExtrapolatedMotion::at(double t_high_s, double t_low_s) const {
   if (std::isnan(t_high_s + t_low_s)) return nan_state();
-  const double room_s = end_room_s(last_s_ - first_s_);
-  if (!(t_high_s >= first_s_ - room_s && t_high_s <= last_s_ + room_s)) {
-    throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_,
-                                 last_s_, t_high_s));
-  }
-  const Path& path = t_high_s >= 0.0 ? forward_ : backward_;
+  const Path& path = is_forward(t_high_s) ? forward_ : backward_;
   const double away_s = std::abs(t_high_s);
   const Leg& leg =
       *std::find_if(path.begin(), path.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.nodes.back().t_s); });

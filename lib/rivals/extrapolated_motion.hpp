@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "polhode/motion/motion.hpp"
+#include "polhode/motion/propagated_motion.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode::rivals {
@@ -16,22 +16,14 @@ namespace polhode::rivals {
 /// runs agree; error_rad() is a tenth of their largest difference (the finer one is kept, whose error is smaller
 /// still), and four times the difference where the torques have kinks. A state between the ends of steps is a shorter
 /// step from the last end.
-class ExtrapolatedMotion final : public Motion {
+class ExtrapolatedMotion final : public PropagatedMotion {
  public:
-  struct Options {
-    double tolerance_rad = 1e-13;  ///< wanted error of the attitude anywhere in the span
-    double first_s = 0.0, last_s = 0.0;
-    std::size_t most_evaluations = 100'000'000;  ///< of the torques, of all runs together
-  };
+  using Options = PropagationOptions;
   /// Torques are in the axes of body.named_from_principal.
   ExtrapolatedMotion(const FreeBody& body, const Torques& torques, const Options& options);
 
   /// Throws InputError for a time outside of what was propagated; NaN gives NaN.
   State at(double t_high_s, double t_low_s = 0.0) const override;
-
-  bool whole() const { return whole_; }            ///< false: the limit of evaluations ended it
-  double error_rad() const { return error_rad_; }  ///< estimated, worst of the span
-  std::size_t torque_evaluations() const { return evaluations_; }
 
  private:
   using Vector = Vector3Of<long double>;
@@ -59,10 +51,6 @@ class ExtrapolatedMotion final : public Motion {
   Place start_;
   std::size_t most_evaluations_;
   Path forward_, backward_;
-  double first_s_, last_s_;
-  bool whole_ = true;
-  double error_rad_ = 0.0;
-  std::size_t evaluations_ = 0;
 };
 
 }  // namespace polhode::rivals

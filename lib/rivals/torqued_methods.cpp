@@ -95,8 +95,8 @@ std::unique_ptr<Motion> make_torqued_motion(std::string_view name, const FreeBod
   if (!motion->whole() || !(motion->error_rad() <= control.tolerance)) {
     throw ComputationError(fmt::format(
         "extrapolation took {} torque evaluations{}; its estimated error is {:.1e} rad, {:.1e} rad was asked for",
-        motion->torque_evaluations(), motion->whole() ? "" : ", and did not come to the end of the span",
-        motion->error_rad(), control.tolerance));
+        motion->evaluations(), motion->whole() ? "" : ", and did not come to the end of the span", motion->error_rad(),
+        control.tolerance));
   }
   return motion;
 }

@@ -105,8 +105,17 @@ Matrix3 inertia_tensor(const Vector3& moments, const Vector3& products, Products
   return tensor;
 }
 
+Matrix3 inertia_tensor(const Inertia& inertia) {
+  const Matrix3& R = inertia.named_from_principal;
+  return R * inertia.principal_moments.asDiagonal() * R.transpose();
+}
+
 Inertia inertia_from_tensor(const Matrix3& tensor, bool absolute) {
   if (!tensor.allFinite()) throw InputError("the inertia holds a number that is not finite");
+  const double off = (tensor - tensor.transpose()).cwiseAbs().maxCoeff();
+  if (!(off <= 1e-9 * tensor.cwiseAbs().maxCoeff())) {
+    throw InputError(fmt::format("the tensor is not symmetric: elements differ by {} from those across", off));
+  }
   Matrix3 a = tensor.selfadjointView<Eigen::Upper>();
   Matrix3 axes = Matrix3::Identity();
   constexpr int most_sweeps = 50;  // five or six are usual

@@ -48,10 +48,14 @@ enum class ProductsOfInertia {
 /// The symmetric tensor of moments (Ixx, Iyy, Izz) and products (Ixy, Ixz, Iyz).
 Matrix3 inertia_tensor(const Vector3& moments, const Vector3& products, ProductsOfInertia sign);
 
+/// The tensor in the named axes: R diag(I) R^T.
+Matrix3 inertia_tensor(const Inertia& inertia);
+
 /// Principal moments and axes of a symmetric tensor (the upper triangle counts), by Jacobi's method: R diag(I) R^T
 /// gives the tensor back within some 4 eps of its size for near-degenerate tensors too, and a diagonal tensor keeps its
 /// moments bit for bit. Of the four right-handed choices of signs the one nearest the named axes is taken. Throws
-/// InputError for an element that is not finite, a moment that is not positive, or a broken triangle inequality.
+/// InputError for an element that is not finite, a tensor that is not symmetric within 1e-9 of its size, a moment that
+/// is not positive, or a broken triangle inequality.
 Inertia inertia_from_tensor(const Matrix3& tensor, bool absolute);
 
 /// Moments about named axes that are principal, in any order: inertia_from_tensor of the diagonal tensor.

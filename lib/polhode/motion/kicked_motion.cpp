@@ -238,11 +238,7 @@ MotionAccount KickedMotion::account() const {
 
 State KickedMotion::at(double t_high_s, double t_low_s) const {
   if (std::isnan(t_high_s + t_low_s)) return nan_state();
-  const double room_s = end_room_s(options_.last_s - options_.first_s);
-  if (!(t_high_s >= options_.first_s - room_s && t_high_s <= options_.last_s + room_s)) {
-    throw InputError(fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s",
-                                 options_.first_s, options_.last_s, t_high_s));
-  }
+  check_within(t_high_s, options_.first_s, options_.last_s);
   // Kicks stand half way between nodes: the nearest node is on the same free motion.
   const Node& node = nodes_[nearest(t_high_s)];
   const ThetaMotion free(ThetaMotion::Unchecked{},

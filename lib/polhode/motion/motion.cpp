@@ -33,6 +33,14 @@ void check_span(double first_s, double last_s) {
   }
 }
 
+void check_within(double t_s, double first_s, double last_s) {
+  const double room_s = end_room_s(last_s - first_s);
+  if (!(t_s >= first_s - room_s && t_s <= last_s + room_s)) {
+    throw InputError(
+        fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s, last_s, t_s));
+  }
+}
+
 void check_lengths(const TimeArrays& times) {
   if (!times.low.empty() && times.low.size() != times.high.size()) {
     throw InputError(

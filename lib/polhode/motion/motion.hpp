@@ -36,6 +36,9 @@ void check_span(double first_s, double last_s);
 /// was given in another (TDB swings about TT), and the motion goes on well enough for that long.
 constexpr double end_room_s(double span_s) { return span_s < 0.5 ? 0.01 * span_s : 5e-3; }
 
+/// Throws InputError for a time outside of what was propagated by more than end_room_s().
+void check_within(double t_s, double first_s, double last_s);
+
 /// Attitude and angular momentum at one instant.
 struct State {
   Quaternion q_inertial_from_body;  ///< unit to 2 eps, sign continuous in time

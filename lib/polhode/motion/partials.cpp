@@ -19,6 +19,18 @@ void check_matrices(const TimeArrays& times, std::span<double> matrices) {
 
 }  // namespace
 
+PartialsMatrix named_partials(const FreeBody& body, const PartialsMatrix& partials) {
+  const Matrix3& R = body.named_from_principal;
+  PartialsMatrix named;
+  for (int row = 0; row < 6; row += 3) {
+    for (int column = 0; column < 9; column += 3) {
+      const Matrix3 block = R * partials.block<3, 3>(row, column);
+      named.block<3, 3>(row, column) = column < 6 ? Matrix3(block * R.transpose()) : block;
+    }
+  }
+  return named;
+}
+
 FreePartials::FreePartials(const FreeBody& body, const theta::Target& target) : target_(&target) {
   target_->build_partials(theta_input(checked(body)), solution_, partials_);
 }

@@ -12,6 +12,10 @@ namespace polhode {
 /// principal moments I1, I2, I3. Units: those of FreeBody; a turn by momentum is in 1/unit, and so on. Row-major.
 using PartialsMatrix = Eigen::Matrix<double, 6, 9, Eigen::RowMajor>;
 
+/// The same matrix in the axes that the body's file names (FreeBody::named_from_principal): turns and momenta, at t and
+/// at t = 0, are taken in them. The moments remain the principal ones.
+PartialsMatrix named_partials(const FreeBody& body, const PartialsMatrix& partials);
+
 struct StatePartials {
   State state;
   PartialsMatrix partials;

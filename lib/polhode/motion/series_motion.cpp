@@ -223,24 +223,15 @@ class SeriesMotion::Builder {
         left_(most) {
     const double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
     phase_rad_ = rate * std::max(options.last_s, -options.first_s);
-    for (const bool forward : {true, false}) {
-      const double end_s = forward ? options.last_s : options.first_s;
-      std::vector<double> ends;
-      for (const double jump_s : torques.jumps_s()) {
-        if (jump_s != 0.0 && (jump_s > 0.0) == forward && std::abs(jump_s) < std::abs(end_s)) ends.push_back(jump_s);
-      }
-      ends.push_back(end_s);
-      std::sort(ends.begin(), ends.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-      double from_s = 0.0;
-      for (const double to_s : ends) {
+    for (std::vector<Leg>* legs : {&forward_, &backward_}) {
+      for (TorqueStretch& one : stretches(torques, legs == &forward_ ? options.last_s : options.first_s)) {
         Leg leg{{},
-                std::make_shared<const Torques>(torques.during(0.5 * (from_s + to_s))),
+                std::make_shared<const Torques>(std::move(one.torques)),
                 Quaternion(ExtendedQuaternion(axes_).cast<double>()),
                 {},
-                to_s};
+                one.to_s};
         leg.equations = equations_of(body.principal_moments, *leg.torques, unit_s_);
-        (forward ? forward_ : backward_).push_back(std::move(leg));
-        from_s = to_s;
+        legs->push_back(std::move(leg));
       }
     }
   }
@@ -336,7 +327,7 @@ bool SeriesMotion::serves(const Torques& torques) { return parts_of(torques).ser
 
 SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options)
     : moments_(body.principal_moments) {
-  Builder builder(body, torques, options, options.most_coefficients);
+  Builder builder(body, torques, options, options.most_evaluations);
   std::vector<Leg> forward, backward;
   double local_error = builder.first_local_error(), most_local_error = options.tolerance_rad;
   bool precise = 2e-16 * std::sqrt(builder.phase_rad()) * (1.0 + builder.phase_rad()) > options.tolerance_rad;
@@ -345,7 +336,7 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
     builder.forget();
     whole_ = builder.run(local_error, most_local_error, precise, forward, true);
     whole_ = builder.run(local_error, most_local_error, precise, backward, false) && whole_;
-    kept_coefficients_ = builder.coefficients() - before;
+    kept_evaluations_ = builder.coefficients() - before;
     const double before_rad = error_rad_;
     error_rad_ = SteppingTuning::safety * builder.worst_rad();
     if (!whole_ || error_rad_ <= options.tolerance_rad) break;
@@ -353,7 +344,7 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
     most_local_error = local_error = 0.1 * builder.largest_local_error() * options.tolerance_rad / error_rad_;
     if (local_error < 1e-17) precise = true;
   }
-  coefficients_ = builder.coefficients();
+  evaluations_ = builder.coefficients();
   first_s_ = backward.back().end_s;
   last_s_ = forward.back().end_s;
   std::size_t steps_before = 0;
@@ -372,14 +363,7 @@ SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const O
   forward_ = std::make_shared<const std::vector<Leg>>(std::move(forward));
   backward_ = std::make_shared<const std::vector<Leg>>(std::move(backward));
   memory_ = std::make_shared<Memory>(steps_before);
-}
-
-std::size_t SeriesMotion::steps() const {
-  std::size_t count = 0;
-  for (const auto& legs : {forward_, backward_}) {
-    for (const Leg& leg : *legs) count += leg.steps.size();
-  }
-  return count;
+  steps_ = steps_before;
 }
 
 /// The state of one step as series.
@@ -433,14 +417,7 @@ bool SeriesMotion::is_in(const Place& place, double t_s) const {
 }
 
 SeriesMotion::Place SeriesMotion::place(double t_s) const {
-  const double room_s = end_room_s(last_s_ - first_s_);
-  if (!(t_s >= first_s_ - room_s && t_s <= last_s_ + room_s)) {
-    throw InputError(
-        fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_, last_s_, t_s));
-  }
-  // Beyond an end at t = 0 the other way's motion goes on.
-  const bool is_forward = t_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
-  const std::vector<Leg>& legs = is_forward ? *forward_ : *backward_;
+  const std::vector<Leg>& legs = is_forward(t_s) ? *forward_ : *backward_;
   const double away_s = std::abs(t_s);
   const Leg& leg =
       *std::find_if(legs.begin(), legs.end() - 1, [&](const Leg& l) { return away_s <= std::abs(l.end_s); });

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "polhode/motion/motion.hpp"
+#include "polhode/motion/propagated_motion.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
@@ -11,30 +11,19 @@ namespace polhode {
 /// The motion of a rigid body under torques that have power series, by steps of these series (series_motion.md), from t
 /// = 0 both ways. Every step carries along, to first order, how far the run is from the motion: what earlier steps left
 /// out of their series, and their roundings. error_rad() is that distance, at its largest, times a safety factor.
-class SeriesMotion final : public Motion {
+/// evaluations() are coefficients of series: the orders of all steps.
+class SeriesMotion final : public PropagatedMotion {
  public:
   /// Whether it serves for these torques.
   static bool serves(const Torques& torques);
 
-  struct Options {
-    double tolerance_rad = 1e-9;  ///< wanted
-    double first_s = 0.0, last_s = 0.0;
-    std::size_t most_coefficients = 100'000'000;  ///< of series, of all runs together
-  };
+  using Options = PropagationOptions;
   /// Torques in principal axes.
   SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options);
 
   /// The first time that it is asked within a step, the step's series is computed, and kept if there is room (64 MB).
   State at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;
-
-  bool whole() const { return whole_; }  ///< false: the limit of coefficients ended it
-  double error_rad() const { return error_rad_; }
-  double first_s() const { return first_s_; }  ///< reached
-  double last_s() const { return last_s_; }
-  std::size_t steps() const;
-  std::size_t evaluations() const { return coefficients_; }            ///< coefficients of series, of all runs
-  std::size_t kept_evaluations() const { return kept_coefficients_; }  ///< of the run that is kept
 
  private:
   struct Leg;        // between two jumps of the torques
@@ -52,10 +41,6 @@ class SeriesMotion final : public Motion {
   Vector3 moments_;
   std::shared_ptr<const std::vector<Leg>> forward_, backward_;  // away from t = 0
   std::shared_ptr<Memory> memory_;
-  double first_s_ = 0.0, last_s_ = 0.0;
-  bool whole_ = true;
-  double error_rad_ = 0.0;
-  std::size_t coefficients_ = 0, kept_coefficients_ = 0;
 };
 
 }  // namespace polhode

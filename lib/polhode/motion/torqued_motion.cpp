@@ -32,20 +32,6 @@ std::span<const std::string_view> torqued_motion_methods() {
   return all;
 }
 
-template <class Engine>
-void TorquedMotion::run(const FreeBody& body, const Torques& torques, const TorquedOptions& options) {
-  auto engine = std::make_shared<const Engine>(
-      body, torques,
-      typename Engine::Options{options.tolerance_rad, options.first_s, options.last_s, options.max_torque_evaluations});
-  first_s_ = engine->first_s(), last_s_ = engine->last_s();
-  error_rad_ = engine->error_rad();
-  steps_ = engine->steps(), evaluations_ = engine->evaluations(), kept_evaluations_ = engine->kept_evaluations();
-  outcome_ = !engine->whole()                      ? Outcome::stopped
-             : error_rad_ <= options.tolerance_rad ? Outcome::done
-                                                   : Outcome::tolerance_not_reachable;
-  engine_ = std::move(engine);
-}
-
 TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named, const TorquedOptions& options)
     : method_(options.method), tolerance_rad_(options.tolerance_rad) {
   checked(body);
@@ -54,31 +40,35 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named,
     throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));
   }
   check_span(options.first_s, options.last_s);
+  const PropagationOptions how{options.tolerance_rad, options.first_s, options.last_s, options.max_torque_evaluations};
   if (method_ == kAuto) method_ = SeriesMotion::serves(torques) ? kSeries : kDormandPrince;
   if (method_ == kSeries) {
     if (!SeriesMotion::serves(torques)) {
       throw InputError("a torque here has no series: facets in sunlight, or the currents of several fields");
     }
-    run<SeriesMotion>(body, torques, options);
+    engine_ = std::make_shared<const SeriesMotion>(body, torques, how);
   } else if (method_ == kDormandPrince) {
-    run<ValueMotion>(body, torques, options);
+    engine_ = std::make_shared<const ValueMotion>(body, torques, how);
   } else {
     throw InputError(fmt::format("unknown method '{:.40}' under torques, allowed are {}", method_,
                                  fmt::join(torqued_motion_methods(), ", ")));
   }
+  outcome_ = !engine_->whole()               ? Outcome::stopped
+             : error_rad() <= tolerance_rad_ ? Outcome::done
+                                             : Outcome::tolerance_not_reachable;
 }
 
 MotionAccount TorquedMotion::account() const {
   MotionAccount account;
   account.method = method_;
-  account.torque_evaluations = evaluations_;
+  account.torque_evaluations = torque_evaluations();
   if (outcome_ == Outcome::stopped) {
     account.error_meaning = "nothing is promised: the end of the span was not reached";
     return account;
   }
   const std::string found = method_ == kSeries
-                                ? fmt::format("carried along with the motion: {:.1e} rad", error_rad_)
-                                : fmt::format("from the differences of its runs: {:.1e} rad", error_rad_);
+                                ? fmt::format("carried along with the motion: {:.1e} rad", error_rad())
+                                : fmt::format("from the differences of its runs: {:.1e} rad", error_rad());
   if (outcome_ == Outcome::done) {
     account.max_error_rad = tolerance_rad_;
     account.error_meaning = found + "; the numbers of the body and its torques are taken as exact";

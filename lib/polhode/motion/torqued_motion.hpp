@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "polhode/motion/motion.hpp"
+#include "polhode/motion/propagated_motion.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
@@ -51,27 +51,21 @@ class TorquedMotion final : public Motion {
   void batch(const TimeArrays& times, const StateArrays& out) const override { engine_->batch(times, out); }
 
   Outcome outcome() const { return outcome_; }
-  const std::string& method() const { return method_; }  ///< the one that gave the states
-  double error_rad() const { return error_rad_; }        ///< estimated, worst of the span
+  const std::string& method() const { return method_; }      ///< the one that gave the states
+  double error_rad() const { return engine_->error_rad(); }  ///< estimated, worst of the span
   /// What ran. The tolerance is promised if the outcome is `done`, else nothing.
   MotionAccount account() const;
-  double first_s() const { return first_s_; }                                ///< reached
-  double last_s() const { return last_s_; }                                  ///< reached
-  std::size_t steps() const { return steps_; }                               ///< kept
-  std::size_t torque_evaluations() const { return evaluations_; }            ///< of all runs
-  std::size_t kept_torque_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
+  double first_s() const { return engine_->first_s(); }                                ///< reached
+  double last_s() const { return engine_->last_s(); }                                  ///< reached
+  std::size_t steps() const { return engine_->steps(); }                               ///< kept
+  std::size_t torque_evaluations() const { return engine_->evaluations(); }            ///< of all runs
+  std::size_t kept_torque_evaluations() const { return engine_->kept_evaluations(); }  ///< of the run that is kept
 
  private:
-  template <class Engine>
-  void run(const FreeBody& body, const Torques& torques, const TorquedOptions& options);
-
-  std::shared_ptr<const Motion> engine_;
-  double first_s_ = 0.0, last_s_ = 0.0;
+  std::shared_ptr<const PropagatedMotion> engine_;
   Outcome outcome_ = Outcome::done;
   std::string method_;
   double tolerance_rad_ = 0.0;
-  double error_rad_ = 0.0;
-  std::size_t steps_ = 0, evaluations_ = 0, kept_evaluations_ = 0;
 };
 
 }  // namespace polhode

@@ -75,16 +75,11 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
   evaluations_ = builder.evaluations();
   first_s_ = kept_backward.back().nodes.back().t_s;
   last_s_ = kept_forward.back().nodes.back().t_s;
+  for (const Path* path : {&kept_forward, &kept_backward}) {
+    for (const Leg& leg : *path) steps_ += leg.nodes.size() - 1;
+  }
   forward_ = std::make_shared<const Path>(std::move(kept_forward));
   backward_ = std::make_shared<const Path>(std::move(kept_backward));
-}
-
-std::size_t ValueMotion::steps() const {
-  std::size_t count = 0;
-  for (const Path* path : {forward_.get(), backward_.get()}) {
-    for (const Leg& leg : *path) count += leg.nodes.size() - 1;
-  }
-  return count;
 }
 
 /// One step as polynomials.
@@ -126,15 +121,8 @@ class ValueMotion::Step {
 };
 
 ValueMotion::Place ValueMotion::place(double t_s, const Place& before) const {
-  const double room_s = end_room_s(last_s_ - first_s_);
-  if (!(t_s >= first_s_ - room_s && t_s <= last_s_ + room_s)) {
-    throw InputError(
-        fmt::format("the motion was propagated from {} s to {} s, it was asked for at {} s", first_s_, last_s_, t_s));
-  }
   const double away_s = std::abs(t_s);
-  // Beyond an end at t = 0 the other way's motion goes on.
-  const bool is_forward = t_s >= 0.0 ? last_s_ > 0.0 || first_s_ == 0.0 : first_s_ == 0.0;
-  const Path& path = is_forward ? *forward_ : *backward_;
+  const Path& path = is_forward(t_s) ? *forward_ : *backward_;
   if (before.leg != nullptr && before.leg >= path.data() && before.leg < path.data() + path.size()) {
     const std::vector<Node>& nodes = before.leg->nodes;
     for (std::size_t i = before.step; i + 1 < nodes.size() && i < before.step + 4; ++i) {

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "polhode/motion/motion.hpp"
+#include "polhode/motion/propagated_motion.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
@@ -18,14 +18,11 @@ namespace polhode {
 /// Every run chooses its steps by the estimate of their error. The span is run again with finer steps, from a start a
 /// rounding aside, until two runs agree well enough: error_rad() is what their difference leaves to fear of the finer
 /// one, which is kept (values/builder.hpp has the figures). Where the torques have kinks (Torques::smooth()), at which
-/// no order of a method holds, error_rad() is four times the difference.
-class ValueMotion final : public Motion {
+/// no order of a method holds, error_rad() is the difference where the steps are corrected for them (few facets), and
+/// twice that else.
+class ValueMotion final : public PropagatedMotion {
  public:
-  struct Options {
-    double tolerance_rad = 1e-9;  ///< wanted
-    double first_s = 0.0, last_s = 0.0;
-    std::size_t most_evaluations = 100'000'000;  ///< of torques, of all runs together
-  };
+  using Options = PropagationOptions;
   /// Torques in principal axes.
   ValueMotion(const FreeBody& body, const Torques& torques, const Options& options);
 
@@ -33,14 +30,6 @@ class ValueMotion final : public Motion {
   State at(double t_high_s, double t_low_s = 0.0) const override;
   /// Where times ascend, or several lie in a step, much faster than one by one; the same bits.
   void batch(const TimeArrays& times, const StateArrays& out) const override;
-
-  bool whole() const { return whole_; }            ///< false: the limit of evaluations ended it
-  double error_rad() const { return error_rad_; }  ///< infinite if nothing is known of it
-  double first_s() const { return first_s_; }      ///< reached
-  double last_s() const { return last_s_; }        ///< reached
-  std::size_t steps() const;
-  std::size_t evaluations() const { return evaluations_; }            ///< of all runs
-  std::size_t kept_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
 
  private:
   struct Node;                    // a step's end
@@ -58,10 +47,6 @@ class ValueMotion final : public Motion {
 
   Vector3 moments_;
   std::shared_ptr<const Path> forward_, backward_;
-  double first_s_ = 0.0, last_s_ = 0.0;
-  bool whole_ = true;
-  double error_rad_ = 0.0;
-  std::size_t evaluations_ = 0, kept_evaluations_ = 0;
 };
 
 }  // namespace polhode

@@ -30,9 +30,7 @@ int axis_index(const TomlTable& table, std::string_view key) {
 // What the file says about its axes must be what its moments say.
 void check_axis_names(const TomlTable& table, const Inertia& inertia) {
   constexpr std::array<std::string_view, 3> keys{"long_axis", "intermediate_axis", "short_axis"};
-  const Vector3 moments_named =
-      (inertia.named_from_principal * inertia.principal_moments.asDiagonal() * inertia.named_from_principal.transpose())
-          .diagonal();
+  const Vector3 moments_named = inertia_tensor(inertia).diagonal();
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (!table.has(keys[k])) continue;
     const int axis = axis_index(table, keys[k]);

@@ -217,27 +217,6 @@ double Torques::evaluations_for_tables() const {
   return count;
 }
 
-std::vector<Torques::Pull> Torques::pulls() const {
-  std::vector<Pull> pulls;
-  for (std::size_t i = 0; i < torques_.size(); ++i) {
-    if (const auto* gravity = std::get_if<GravityGradient>(&torques_[i])) {
-      pulls.push_back({gravity->mu_m3_s2, orbit_of_torque_[i]});
-    }
-  }
-  return pulls;
-}
-
-Torques Torques::without_pulls() const {
-  Torques others;
-  others.trajectories_ = trajectories_;
-  for (std::size_t i = 0; i < torques_.size(); ++i) {
-    if (std::holds_alternative<GravityGradient>(torques_[i])) continue;
-    others.torques_.push_back(torques_[i]);
-    others.orbit_of_torque_.push_back(orbit_of_torque_[i]);
-  }
-  return others;
-}
-
 std::vector<double> Torques::jumps_s() const {
   std::vector<double> times_s;
   for (const Torque& torque : torques_) {
@@ -274,6 +253,22 @@ Torques Torques::during(double inside_s) const {
         torque);
   }
   return Torques(std::move(on));
+}
+
+std::vector<TorqueStretch> stretches(const Torques& torques, double end_s) {
+  std::vector<double> ends_s;
+  for (const double jump_s : torques.jumps_s()) {
+    if (jump_s * end_s > 0.0 && std::abs(jump_s) < std::abs(end_s)) ends_s.push_back(jump_s);
+  }
+  if (end_s < 0.0) std::reverse(ends_s.begin(), ends_s.end());
+  ends_s.push_back(end_s);
+  std::vector<TorqueStretch> all;
+  double from_s = 0.0;
+  for (const double to_s : ends_s) {
+    all.push_back({from_s, to_s, torques.during(0.5 * (from_s + to_s))});
+    from_s = to_s;
+  }
+  return all;
 }
 
 }  // namespace polhode

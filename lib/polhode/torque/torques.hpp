@@ -133,16 +133,6 @@ class Torques {
   /// The torques at work between two neighbouring jumps, none of which jumps. `inside_s` is any time between the two.
   Torques during(double inside_s) const;
 
-  /// The point masses of the gravity gradients, each with the place of its trajectory among trajectories(): what a
-  /// method that evaluates many instants at once needs to know of them.
-  struct Pull {
-    double mu_m3_s2;
-    std::size_t trajectory;
-  };
-  std::vector<Pull> pulls() const;
-  /// The other torques, with the same trajectories.
-  Torques without_pulls() const;
-
   /// Whether no torque has kinks in time or attitude.
   bool smooth() const;
 
@@ -172,5 +162,13 @@ class Torques {
   static constexpr auto kNone = static_cast<std::size_t>(-1);
   std::vector<std::size_t> orbit_of_torque_;  // its trajectory, or kNone
 };
+
+/// Between two neighbouring jumps: the torques at work, none of which jumps.
+struct TorqueStretch {
+  double from_s, to_s;
+  Torques torques;
+};
+/// The way from t = 0 to end_s, before or after it, in its stretches, one at least.
+std::vector<TorqueStretch> stretches(const Torques& torques, double end_s);
 
 }  // namespace polhode

@@ -160,8 +160,7 @@ TorquedAccuracy torqued_accuracy(const TorquedSubject& subject, int instants, do
   const Outcome outcome = !reference.whole()                                 ? Outcome::stopped
                           : reference.error_rad() <= reference_tolerance_rad ? Outcome::done
                                                                              : Outcome::tolerance_not_reachable;
-  result.reference = {reference_tolerance_rad, reference.error_rad(), outcome_name(outcome),
-                      reference.torque_evaluations()};
+  result.reference = {reference_tolerance_rad, reference.error_rad(), outcome_name(outcome), reference.evaluations()};
   if (outcome == Outcome::stopped) return result;
 
   std::vector<double> all;

@@ -56,24 +56,16 @@ class ValueMotion::Builder {
     const double steps_per_rad = 0.7 * std::pow(1e-3 / std::min(options.tolerance_rad, 1e-3), 0.125);
     const double rate_rad_s = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
     const double evaluations_per_s = 2.0 * dormand_prince::kStages * rate_rad_s * steps_per_rad;
-    for (const bool forward : {true, false}) {
-      const double end_s = forward ? options.last_s : options.first_s;
-      std::vector<double> ends_s;
-      for (const double jump_s : torques.jumps_s()) {
-        if (jump_s != 0.0 && (jump_s > 0.0) == forward && std::abs(jump_s) < std::abs(end_s)) ends_s.push_back(jump_s);
-      }
-      ends_s.push_back(end_s);
-      std::sort(ends_s.begin(), ends_s.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
-      double from_s = 0.0;
-      for (const double to_s : ends_s) {
-        Leg leg{torques.during(0.5 * (from_s + to_s)), {}, {{from_s, {}, {}}, {to_s, {}, {}}}};
+    for (Path* path : {&forward_, &backward_}) {
+      for (TorqueStretch& one : stretches(torques, path == &forward_ ? options.last_s : options.first_s)) {
+        Leg leg{std::move(one.torques), {}, {{one.from_s, {}, {}}, {one.to_s, {}, {}}}};
+        const double length_s = std::abs(one.to_s - one.from_s);
+        const double most = std::min(0.5 * evaluations_per_s * length_s / TrajectoryPieces::kCost, 5e4);
         for (const Trajectory& way : leg.torques.trajectories()) {
-          const double most =
-              std::min(0.5 * evaluations_per_s * std::abs(to_s - from_s) / TrajectoryPieces::kCost, 5e4);
-          leg.ways.emplace_back(way, std::min(from_s, to_s), std::max(from_s, to_s), static_cast<std::size_t>(most));
+          leg.ways.emplace_back(way, std::min(one.from_s, one.to_s), std::max(one.from_s, one.to_s),
+                                static_cast<std::size_t>(most));
         }
-        (forward ? forward_ : backward_).push_back(std::move(leg));
-        from_s = to_s;
+        path->push_back(std::move(leg));
       }
     }
   }

@@ -12,7 +12,7 @@
 #include "polhode/read/scene_file.hpp"
 #include "polhode/write/ephemeris_formats.hpp"
 
-namespace polhode::tools {
+namespace polhode {
 
 /// A body and its motion in an inertial frame: what the program and the Python package make ephemerides of.
 struct BodyInMotion {
@@ -44,4 +44,4 @@ std::size_t rows_for_tolerance(const BodyInMotion& moving, Instant start, Instan
 Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<double> tolerance_rad,
                   const EphemerisFormat* format);
 
-}  // namespace polhode::tools
+}  // namespace polhode

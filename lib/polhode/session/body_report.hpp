@@ -1,19 +1,18 @@
 #pragma once
 
-#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 
 #include "polhode/body/invariants.hpp"
 #include "polhode/read/body.hpp"
 
-namespace polhode::tools {
+namespace polhode {
 
 /// What principal axes are called, of the smallest moment first.
 inline constexpr const char* axis_words[3] = {"long", "intermediate", "short"};
 
 /// What there is to say about one body: gathered once, printed as text or JSON.
-struct Report {
+struct BodyReport {
   std::string path;
   Body body;
   std::optional<SpinInvariants> spin;
@@ -23,9 +22,9 @@ struct Report {
 };
 
 /// `path` is what the report calls the file.
-Report report_on(const std::string& path, BodyAndHistory file);
+BodyReport report_on(const std::string& path, BodyAndHistory file);
 
-/// The report as `polhode info --json` prints it.
-nlohmann::ordered_json json(const Report& report);
+/// The report as a JSON object on one line: an element of what `polhode info --json` prints.
+std::string json_text(const BodyReport& report);
 
-}  // namespace polhode::tools
+}  // namespace polhode

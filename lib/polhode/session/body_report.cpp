@@ -1,21 +1,19 @@
-#include "report.hpp"
-
-#include <fmt/format.h>
+#include "polhode/session/body_report.hpp"
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
-#include "output.hpp"
-#include "polhode/base/error.hpp"
 #include "polhode/body/phase.hpp"
 #include "polhode/motion/events.hpp"
 #include "polhode/motion/free_body.hpp"
 
-namespace polhode::tools {
+namespace polhode {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double close_to_separatrix = 1e-4;
 
 Json list(const Vector3& v) { return {v[0], v[1], v[2]}; }
@@ -53,9 +51,9 @@ Json json(const AttitudeHistory& history) {
 
 }  // namespace
 
-Report report_on(const std::string& path, BodyAndHistory file) {
-  Report report{path,         std::move(file.body),    std::nullopt, std::nullopt,
-                std::nullopt, std::move(file.history), std::nullopt};
+BodyReport report_on(const std::string& path, BodyAndHistory file) {
+  BodyReport report{path,         std::move(file.body),    std::nullopt, std::nullopt,
+                    std::nullopt, std::move(file.history), std::nullopt};
   Body& body = report.body;
   for (const std::string& what : body.missing) {
     body.warnings.push_back((report.history ? "cannot be propagated beyond its attitude history; it lacks "
@@ -93,7 +91,7 @@ Report report_on(const std::string& path, BodyAndHistory file) {
   return report;
 }
 
-nlohmann::ordered_json json(const Report& report) {
+std::string json_text(const BodyReport& report) {
   const Body& body = report.body;
   Json out{{"file", report.path}, {"name", body.name}, {"id", body.id}, {"source", body.source}};
   if (body.inertia && !body.any_inertia) {
@@ -156,7 +154,7 @@ nlohmann::ordered_json json(const Report& report) {
   out["missing"] = body.missing;
   out["notes"] = body.notes;
   out["warnings"] = body.warnings;
-  return out;
+  return out.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-}  // namespace polhode::tools
+}  // namespace polhode

@@ -1,4 +1,4 @@
-#include "body_in_motion.hpp"
+#include "polhode/session/body_in_motion.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 
-namespace polhode::tools {
+namespace polhode {
 namespace {
 
 PrincipalMotion states_of(std::shared_ptr<const Motion> motion) {
@@ -110,4 +110,4 @@ Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<doub
   return {std::move(description), body, moving.frame, std::move(times), states_of(moving.motion)};
 }
 
-}  // namespace polhode::tools
+}  // namespace polhode
