@@ -97,6 +97,25 @@ class DisplacedMotions {
 
 }  // namespace
 
+double largest_variance(const Matrix3& covariance) {
+  Eigen::SelfAdjointEigenSolver<Matrix3> solver;
+  solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return std::max(solver.eigenvalues()[2], 0.0);
+}
+
+void put_covariance(const Matrix3& covariance, double& sigma_rad, double* covariance_rad2) {
+  sigma_rad = std::sqrt(largest_variance(covariance));
+  for (int i = 0; i < 3; ++i) {
+    for (int k = i; k < 3; ++k) *covariance_rad2++ = covariance(i, k);
+  }
+}
+
+Vector3 rotation_vector(const Quaternion& q) {
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0, length = q.vec().norm();
+  if (length == 0.0) return Vector3::Zero();
+  return sign * 2.0 * std::atan2(length, sign * q.w()) / length * q.vec();
+}
+
 AttitudeCovariance::AttitudeCovariance(const Body& body) : AttitudeCovariance(body, uncertainty_of(body).covariance) {}
 
 AttitudeCovariance::AttitudeCovariance(const Body& body, const Eigen::MatrixXd& covariance)
