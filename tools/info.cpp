@@ -12,6 +12,7 @@
 #include "polhode/body/invariants.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/session/body_report.hpp"
+#include "polhode/time/duration_text.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
@@ -94,6 +95,26 @@ void print_history(Page& page, const AttitudeHistory& history) {
   }
 }
 
+void print_uncertainty(Page& page, const BodyReport& report) {
+  page.gap();
+  page.heading("How well it is known (one sigma; linear, without torques)");
+  const Uncertainty& uncertainty = *report.body.uncertainty;
+  for (std::size_t i = 0; i < uncertainty.numbers.size(); ++i) {
+    const PublishedNumber& number = uncertainty.numbers[i];
+    page.row(number.name, fmt::format("{:.9g} +- {:.3g}", number.value, uncertainty.sigma(i)));
+  }
+  if (!report.worth) return;
+  const StateWorth& worth = *report.worth;
+  page.row("attitude at the epoch", fmt::format("{:.3g} deg", worth.sigma_at_epoch_rad * degrees));
+  page.row("known to 1 deg", known_text(worth.degree));
+  page.row("known to 10 deg", known_text(worth.ten_degrees));
+  page.row("known at all (180 deg)", known_text(worth.at_all));
+  page.row("largest term",
+           fmt::format("{}: {:.0f} % of the variance {}", worth.limit, 100.0 * worth.limit_share,
+                       worth.limit_s == 0.0 ? "at the epoch" : duration_text(worth.limit_s) + " after the epoch"));
+  page.row("if that were ten times better", "known to 10 deg " + known_text(worth.with_better_limit));
+}
+
 void print(Page& page, const BodyReport& report) {
   const Body& body = report.body;
   page.heading("{}", body.name);
@@ -138,7 +159,9 @@ void print(Page& page, const BodyReport& report) {
       page.row("angular momentum L, equatorial", in_degrees(direction_of(*report.momentum_icrf)) + " (ICRF)");
     }
     if (spin.mode != RotationMode::rest && !body.any_inertia) {
-      page.row("energy E/E0 = 2 E I3 / L^2", fmt::format("{:.7g}", 1.0 + spin.energy_above_ground));
+      page.row("energy E/E0 = 2 E I3 / L^2",
+               fmt::format("{:.7g}{}", 1.0 + spin.energy_above_ground,
+                           report.energy_sigma ? fmt::format(" +- {:.2g}", *report.energy_sigma) : ""));
       page.row("1 - 2 E I2 / L^2", fmt::format("{:+.4g}", spin.separatrix_offset));
     }
     if (spin.polhode_period_s) {
@@ -149,6 +172,7 @@ void print(Page& page, const BodyReport& report) {
       page.row("distance from separatrix", fmt::format("{:.4g} (0 on it, 1 farthest)", *spin.separatrix_distance));
     }
   }
+  if (body.uncertainty) print_uncertainty(page, report);
   if (report.history) print_history(page, *report.history);
   if (!body.notes.empty() || !body.warnings.empty()) page.gap();
   for (const std::string& note : body.notes) page.heading("note: {}", note);

@@ -7,8 +7,8 @@
 
 #include "in_file.hpp"
 #include "output.hpp"
-#include "polhode/body/phase.hpp"
 #include "polhode/motion/free_body.hpp"
+#include "polhode/motion/known_until.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/time/duration_text.hpp"
@@ -51,7 +51,7 @@ void print_plan(const PlanOptions& options) {
                  plan.torque_evaluations ? fmt::format("about {:.2g} torque evaluations", *plan.torque_evaluations)
                                          : "cannot be told before it runs",
                  plan.cost_why);
-  if (const auto caution = phase_warning(scene.body, std::max(-scene.first_s, scene.last_s)))
+  if (const auto caution = worth_text(scene.body, std::max(-scene.first_s, scene.last_s)))
     fmt::format_to(out, "caution    {}\n", *caution);
   write_standard_output({text.data(), text.size()});
 }

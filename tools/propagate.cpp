@@ -52,6 +52,7 @@ struct PropagateOptions {
   bool frame_given = false;
   bool scale_given = false;
   std::string scene_end;  // "+30 d" from the epoch: where a scene is, its last time
+  bool covariance = false;
 };
 
 /// Dates that name no scale have that of --scale, where it is given.
@@ -238,6 +239,10 @@ void print_account(const EphemerisDescription& rows) {
 void propagate(PropagateOptions options) {
   const EphemerisFormat& format = format_of(options.output);
   refuse_meaningless(options.output, format);
+  if (options.covariance && !format.has_covariance) {
+    throw OptionError(fmt::format("--covariance is for {}: {} holds none",
+                                  endings_of_formats(&EphemerisFormat::has_covariance), format.name));
+  }
   std::vector<std::string> inputs{options.times, leap_seconds_file()};
   std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file, [&](const std::string& path) {
     inputs.push_back(path);
@@ -256,8 +261,13 @@ void propagate(PropagateOptions options) {
   const Body& body = file.body;
   for (const std::string& warning : body.warnings) warn(options.body_file, warning);
   if (is_history_wanted(options, file)) {
+    if (options.covariance) throw InputError("is an attitude history: --covariance is of the motion of a body");
     export_history(options, format, *std::move(file.history));
     return;
+  }
+  if (options.covariance && !body.uncertainty) {
+    throw InputError(
+        "gives no uncertainty, and --covariance needs one: _sigma keys, a table [uncertainty] or period_uncertainty");
   }
   if (options.output.momentum && body.any_inertia) {
     throw InputError("has no inertia, and --momentum needs an inertia");
@@ -275,7 +285,7 @@ void propagate(PropagateOptions options) {
   };
   std::vector<Ephemeris> segments;
   for (TimeGrid& grid : time_grids(options, body.state->epoch, scale, rows_between)) {
-    segments.push_back(rows_of(moving, std::move(grid), tolerance_rad, &format));
+    segments.push_back(rows_of(moving, std::move(grid), tolerance_rad, &format, options.covariance));
     if (!scene && !chosen.exact_everywhere) measure_error(moving, segments.back());
   }
   write_watched(options.output, format, segments);
@@ -334,6 +344,9 @@ void add_propagate(CLI::App& app) {
   command->add_option("--method", options->method, "Method of the motion (see polhode methods)")->capture_default_str();
   command->add_flag("--momentum", options->output.momentum,
                     "Write the angular momentum too: " + endings_of_formats(&EphemerisFormat::has_momentum));
+  command->add_flag(
+      "--covariance", options->covariance,
+      "Write the covariance of the attitude too: " + endings_of_formats(&EphemerisFormat::has_covariance));
   command->add_option("--adm", options->output.adm, "Version of the CCSDS message, 1.0 or 2.0 (the default)");
   command->add_option("--attitude-type", options->output.attitude_type,
                       "ATTITUDE_TYPE of an AEM; QUATERNION/ANGVEL unless given, of ADM 1.0 QUATERNION");

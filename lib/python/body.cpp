@@ -63,10 +63,7 @@ BodyObject make_body(const std::string& name, const std::optional<Inertia>& iner
   if (!epoch) body.missing.emplace_back("an epoch");
   if (!q) body.missing.emplace_back("an attitude at the epoch");
   if (!omega) body.missing.emplace_back("an angular velocity at the epoch");
-  if (period_uncertainty && !(*period_uncertainty > 0.0 && std::isfinite(*period_uncertainty))) {
-    throw InputError("the uncertainty of the periods is a part of themselves, a positive number");
-  }
-  body.period_uncertainty = period_uncertainty;
+  if (period_uncertainty) set_period_uncertainty(body, *period_uncertainty);
   return {{std::move(body), std::nullopt, false}, {}};
 }
 
@@ -325,7 +322,7 @@ void bind_body(nb::module_& m) {
             return array_of(momentum_in_frame(self.body(), frame(frame_name)));
           },
           "frame"_a = "ICRF", "Angular momentum in an inertial frame, unit of inertia times rad/s, shape (3,).")
-      .def_prop_ro("period_uncertainty", [](const BodyObject& self) { return self.body().period_uncertainty; })
+      .def_prop_ro("period_uncertainty", [](const BodyObject& self) { return period_uncertainty(self.body()); })
       .def_prop_ro(
           "missing", [](const BodyObject& self) { return self.body().missing; },
           "What a motion would need and is not known; empty: nothing.")
@@ -360,8 +357,9 @@ void bind_body(nb::module_& m) {
           "phase_horizon",
           [](const BodyObject& self, const Given<PlaneAngle>& angle) -> std::optional<double> {
             const Body& body = self.body();
-            if (!body.period_uncertainty || !body.state || !body.state->omega_named_rad_s) return std::nullopt;
-            return phase_horizon_s(*body.state->omega_named_rad_s, *body.period_uncertainty, angle->rad);
+            const std::optional<double> part = period_uncertainty(body);
+            if (!part || !body.state || !body.state->omega_named_rad_s) return std::nullopt;
+            return phase_horizon_s(*body.state->omega_named_rad_s, *part, angle->rad);
           },
           "angle"_a, "Seconds from the epoch in which the phase comes to be off by the angle, or None.")
       .def("__repr__", [](const BodyObject& self) { return fmt::format("<Body {}>", self.body().name); });

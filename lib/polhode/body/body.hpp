@@ -1,11 +1,13 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "polhode/base/geometry.hpp"
 #include "polhode/body/inertia.hpp"
+#include "polhode/body/uncertainty.hpp"
 #include "polhode/frames/frame.hpp"
 #include "polhode/time/scale.hpp"
 
@@ -39,8 +41,8 @@ struct Body {
   std::optional<Inertia> inertia;
   bool any_inertia = false;  ///< `inertia` is not known, but any leads to this rotation about a principal axis
   std::optional<SpinState> state;
-  std::optional<double> period_uncertainty;  ///< one sigma of the periods (and rates), as a part of themselves
-  std::vector<StatedAttitude> attitudes;     ///< all that the file states, where `state` is chosen among several
+  std::shared_ptr<const Uncertainty> uncertainty;  ///< of the published numbers; null: they count as exact
+  std::vector<StatedAttitude> attitudes;           ///< all that the file states, where `state` is chosen among several
   std::vector<std::string> missing;   ///< what a propagation would need and the file does not give; empty: complete
   std::vector<std::string> notes;     ///< what was understood, for people
   std::vector<std::string> warnings;  ///< what was assumed or looks doubtful

@@ -8,72 +8,12 @@
 #include <numbers>
 
 #include "polhode/base/error.hpp"
-#include "polhode/elliptic/carlson.hpp"
+#include "polhode/body/series_rates.hpp"
 
 namespace polhode {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-// Incomplete integral of the first kind with parameter m, F(atan2(y, x)), from m_c = 1 - m (DLMF 19.25.5). x, y >= 0.
-double elliptic_f(double y, double x, double m_c) {
-  const double radius = std::hypot(x, y);
-  const double sine = y / radius, cosine = x / radius;
-  if (sine == 0.0) return 0.0;
-  return sine * carlson_rf_of_roots(cosine, std::hypot(cosine, std::sqrt(m_c) * sine), 1.0);
-}
-
-// Moments, squared momenta and Delta_j = G^2 - 2T I_j in canonical axes: those of the body, or for a long-axis mode
-// with the first and third exchanged.
-struct CanonicalBody {
-  double i1, i2, i3;
-  double i21, i31, i32;  // i21 = i2 - i1 ...
-  double delta1, delta2, delta3;
-};
-
-// For momentum 1: the polhode's frequency nu, negative in long-axis mode, and half the mean rate 2 rho at which axis 1
-// precesses about L; axis 3 precesses at 2 rho + nu. They are the constants of the theta-series solution
-// (motion/theta): the first series converges fast far from the separatrix, the second, its Jacobi transform, near it.
-struct SeriesRates {
-  double rho, nu;
-};
-
-SeriesRates series_rates(const CanonicalBody& c, double m_c) {
-  const double m = -c.i21 * c.delta3 / (c.delta1 * c.i32);  // 1 - m_c, without the subtraction
-  const double b13 = std::sqrt(-c.i1 * c.delta3 / c.i31);
-  const double b31 = std::sqrt(c.i3 * c.delta1 / c.i31);
-  const bool long_axis = c.i31 < 0.0;
-  const double half_bracket = 0.5 * (long_axis ? 1.0 / c.i1 - b31 * c.i31 / (c.i1 * c.i3)
-                                               : 1.0 / c.i3 + b13 * b13 * c.i31 / ((1.0 + b31) * c.i1 * c.i3));
-  const double lambda = std::copysign(std::sqrt(c.delta1 * c.i32 / (c.i1 * c.i2 * c.i3)), c.i31);
-  const double one_over_k = reciprocal_complete_k(std::sqrt(m_c));
-  const double one_over_k_prime = reciprocal_complete_k(std::sqrt(m));
-  const double y = elliptic_f(std::sqrt(std::abs(c.i1 * c.i32)), std::sqrt(std::abs(c.i3 * c.i21)), m);
-  const double nu = 0.5 * pi * lambda * one_over_k;
-
-  if (2.0 * one_over_k >= one_over_k_prime) {  // 2 K'/K >= 1
-    const double y_rest = elliptic_f(b31, b13, m);
-    const double p = std::exp(-0.5 * pi * y_rest * one_over_k);
-    const double r = std::exp(-0.5 * pi * y * one_over_k);
-    double a0 = 0.0, a1 = 0.0;
-    for (int j = -8; j <= 8; j += 2) {
-      const double term = (j % 4 == 0 ? 1.0 : -1.0) * std::pow(p, j * j) * std::pow(r, j * (j - 1));
-      a0 += term;
-      a1 += j * term;
-    }
-    return {half_bracket - nu * a1 / a0, nu};
-  }
-  const double q = std::exp(-0.5 * pi * one_over_k_prime / one_over_k);
-  const double z0 = 0.25 * pi * y * one_over_k_prime;
-  double above = 0.0, below = 0.0;
-  for (int n = 0; n <= 5; ++n) {
-    const double coefficient = std::pow(q, n * (n + 1));
-    above += (2 * n + 1) * coefficient * std::sin((2 * n + 1) * z0);
-    below += coefficient * std::cos((2 * n + 1) * z0);
-  }
-  const double quarter = 0.25 * pi * lambda * one_over_k_prime;
-  return {half_bracket - quarter * y * one_over_k + quarter * above / below, nu};
-}
 
 }  // namespace
 
@@ -129,13 +69,14 @@ SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_p
   }
 
   const bool short_mode = delta2 >= 0.0;
-  const CanonicalBody c = short_mode ? CanonicalBody{i[0], i[1], i[2], i21, i31, i32, delta1, delta2, delta3}
-                                     : CanonicalBody{i[2], i[1], i[0], -i32, -i31, -i21, delta3, delta2, delta1};
+  using Canonical = CanonicalBody<double>;
+  const Canonical c = short_mode ? Canonical{i[0], i[1], i[2], i21, i31, i32, delta1, delta2, delta3}
+                                 : Canonical{i[2], i[1], i[0], -i32, -i31, -i21, delta3, delta2, delta1};
   const double m_c = std::min(1.0, c.delta2 * c.i31 / (c.delta1 * c.i32));
   const bool on_separatrix = m_c <= 8.0 * std::numeric_limits<double>::epsilon();
   out.mode = on_separatrix ? RotationMode::separatrix : short_mode ? RotationMode::short_axis : RotationMode::long_axis;
   out.separatrix_distance = on_separatrix ? 0.0 : m_c;
-  const SeriesRates rates = series_rates(c, *out.separatrix_distance);
+  const SeriesRates<double> rates = series_rates(c, *out.separatrix_distance);
   out.polhode_period_s = 2.0 * pi / (std::abs(rates.nu) * rate_unit_rad_s);
 
   // The polhode crosses two planes between axes: (1, 3), and (2, 3) or (1, 2). The axis of the mode is farthest from L

@@ -96,6 +96,13 @@ SpinSolution about_symmetry_axis(const Inertia& inertia, const PublishedPeriods&
 
 }  // namespace
 
+Matrix3 matrix_of(AxisConvention convention) {
+  const std::array<int, 3> axes = axes_of(convention);
+  Matrix3 convention_from_principal = Matrix3::Zero();
+  for (int k = 0; k < 3; ++k) convention_from_principal(k, axes[static_cast<std::size_t>(k)]) = 1.0;
+  return convention_from_principal;
+}
+
 std::vector<SpinSolution> solve_periods(const Inertia& inertia, const PublishedPeriods& periods) {
   check(inertia);
   const Vector3& moments = inertia.principal_moments;
@@ -181,11 +188,9 @@ EulerState state_at(const Inertia& inertia, AxisConvention convention, const Spi
   const double cosine = std::sqrt((energy - transverse) / (about_axis - transverse));
   const double theta = std::atan2(std::sqrt(sine_squared), theta_above_90_deg ? -cosine : cosine);
   const Quaternion q_momentum_from_convention = q_frame_from_body(EulerSequence("ZXZ"), {phi_rad, theta, psi_rad});
-  Matrix3 convention_from_principal = Matrix3::Zero();
-  for (int k = 0; k < 3; ++k) convention_from_principal(k, axes[static_cast<std::size_t>(k)]) = 1.0;
   EulerState state;
   state.theta_rad = theta;
-  state.q_momentum_from_principal = (q_momentum_from_convention * Quaternion(convention_from_principal)).normalized();
+  state.q_momentum_from_principal = (q_momentum_from_convention * Quaternion(matrix_of(convention))).normalized();
   state.momentum_principal = motion.momentum * (state.q_momentum_from_principal.conjugate() * Vector3::UnitZ());
   return state;
 }

@@ -13,6 +13,9 @@ namespace polhode {
 /// angular momentum lies in the plane of the long and the short axis.
 enum class AxisConvention { long_axis, short_axis };
 
+/// From principal axes to (x, y, z) of a convention.
+Matrix3 matrix_of(AxisConvention convention);
+
 /// A tumbling motion as light-curve papers publish it.
 struct PublishedPeriods {
   AxisConvention convention = AxisConvention::long_axis;

@@ -124,9 +124,17 @@ void Ephemeris::fill(std::size_t first, std::size_t count, TimeResolution resolu
   const std::span low(block.elapsed_low.data(), count);
   times_.elapsed_tt(times, epoch_, high, low, block.scale_nodes);
   rows_(count, block);
+  if (covariance_) {
+    if (block.sigma_rad.size() < count) {
+      block.sigma_rad.resize(count);
+      block.covariance_rad2.resize(6 * count);
+    }
+    covariance_(high, low, block.sigma_rad.data(), block.covariance_rad2.data());
+  }
   if (!all_finite({block.q_frame_from_named.data(), 4 * count}) ||
       !all_finite({block.omega_named_rad_s.data(), 3 * count}) ||
-      !all_finite({block.momentum_named.data(), 3 * count}) || !all_finite(high)) {
+      !all_finite({block.momentum_named.data(), 3 * count}) || !all_finite(high) ||
+      (covariance_ && !all_finite({block.covariance_rad2.data(), 6 * count}))) {
     throw ComputationError(
         fmt::format("a number among rows {} to {} is not finite; nothing is written", first + 1, first + count));
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "polhode/base/geometry.hpp"
@@ -23,6 +24,8 @@ struct AttitudeBlock {
   std::vector<double> q_frame_from_named;  ///< rows x 4, scalar first, v_frame = q v_named q*, sign continuous
   std::vector<double> omega_named_rad_s;   ///< rows x 3, components in the named (body) axes
   std::vector<double> momentum_named;      ///< rows x 3, named axes; N m s if the inertia is absolute, 0 without one
+  std::vector<double> sigma_rad;           ///< of an ephemeris with a covariance: root of its largest eigenvalue
+  std::vector<double> covariance_rad2;     ///< rows x 6, of a small turn in the named axes: xx, xy, xz, yy, yz, zz
   TimeGrid::ScaleNodes scale_nodes;
   std::vector<double> elapsed_high, elapsed_low;  ///< TT seconds from the body's epoch, or the history's first row
 
@@ -35,6 +38,11 @@ struct AttitudeBlock {
 /// threads at once.
 using PrincipalMotion =
     std::function<void(std::span<const double> high, std::span<const double> low, double* q, double* m)>;
+
+/// The covariance of the attitude at the same times: `sigma_rad` and rows x 6 as AttitudeBlock has them. Called from
+/// several threads at once.
+using CovarianceOfAttitude = std::function<void(std::span<const double> high, std::span<const double> low,
+                                                double* sigma_rad, double* covariance_rad2)>;
 
 /// What an ephemeris says about itself.
 struct EphemerisDescription {
@@ -72,6 +80,9 @@ class Ephemeris {
   const std::optional<Inertia>& inertia() const { return inertia_; }
   const std::string& frame_name() const { return frame_name_; }
   const TimeGrid& times() const { return times_; }
+  /// Rows have their covariance from then on.
+  void set_covariance(CovarianceOfAttitude covariance) { covariance_ = std::move(covariance); }
+  bool has_covariance() const { return covariance_ != nullptr; }
 
   /// Rows first … first + count - 1. Throws InputError where two rows fall on one time of the resolution,
   /// ComputationError where a number is not finite.
@@ -86,6 +97,7 @@ class Ephemeris {
   TimeGrid times_;
   Instant epoch_;                                                // from which `rows_` counts
   std::function<void(std::size_t count, AttitudeBlock&)> rows_;  // attitude, rate and momentum at the elapsed times
+  CovarianceOfAttitude covariance_;
 };
 
 /// The largest angle between the attitudes of two ephemerides at the rows of the first, which has as many as the second

@@ -99,19 +99,26 @@ void set_principal_axis_state(Body& body, const PublishedSpin& spin) {
   body.state = state;
 }
 
-void set_tumbling_state(Body& body, const PublishedSpin& spin) {
+PublishedTumbling set_tumbling_state(Body& body, const PublishedSpin& spin) {
   const AxisConvention convention = spin.short_axis_convention ? AxisConvention::short_axis : AxisConvention::long_axis;
   const Inertia& inertia = body.inertia.value();
-  const SpinSolution motion = choose(
-      solve_periods(inertia, {convention, spin.precession_period_s, spin.rotation_period_s, spin.long_axis_mode}), spin,
-      body);
+  const PublishedPeriods periods{convention, spin.precession_period_s, spin.rotation_period_s, spin.long_axis_mode};
+  const SpinSolution motion = choose(solve_periods(inertia, periods), spin, body);
+  const PublishedTumbling solved{periods,
+                                 motion,
+                                 degree * spin.longitude_deg,
+                                 degree * spin.latitude_deg,
+                                 degree * spin.phi0_deg.value_or(0.0),
+                                 degree * spin.psi0_deg.value_or(0.0),
+                                 spin.theta0_deg && std::abs(*spin.theta0_deg) > 90.0};
   body.notes.push_back(
       fmt::format("P_psi / P_phi = {:.8g} in the {}-axis convention gives {}-axis mode with E/E0 = {:.7g}",
                   spin.rotation_period_s / spin.precession_period_s, spin.short_axis_convention ? "short" : "long",
                   motion.long_axis_mode ? "long" : "short", motion.energy));
   if (spin.energy) {
-    body.notes.push_back(
-        fmt::format("E/E0 is published as {:.7g}: residual {:+.2g}", *spin.energy, motion.energy - *spin.energy));
+    body.notes.push_back(fmt::format("E/E0 is published as {:.7g}{}: residual {:+.2g}", *spin.energy,
+                                     spin.energy_sigma > 0.0 ? fmt::format(" +- {:.2g}", spin.energy_sigma) : "",
+                                     motion.energy - *spin.energy));
   }
   SpinState state;
   state.epoch = spin.epoch;
@@ -126,10 +133,10 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
     body.notes.push_back(fmt::format("the angular momentum is at {:.6g}, {:.6g} deg in {}", spin.longitude_deg,
                                      spin.latitude_deg, name(spin.frame)));
     body.state = state;
-    return;
+    return solved;
   }
-  const bool above = spin.theta0_deg && std::abs(*spin.theta0_deg) > 90.0;
-  const EulerState at = state_at(inertia, convention, motion, degree * *spin.phi0_deg, degree * *spin.psi0_deg, above);
+  const EulerState at =
+      state_at(inertia, convention, motion, solved.phi_rad, solved.psi_rad, solved.theta_above_90_deg);
   if (spin.theta0_deg) {
     const double energy = energy_at(inertia, convention, degree * *spin.theta0_deg, degree * *spin.psi0_deg);
     const double theta_deg = at.theta_rad / degree;
@@ -141,10 +148,11 @@ void set_tumbling_state(Body& body, const PublishedSpin& spin) {
     body.warnings.emplace_back("theta0 is not given: two angles have this energy, and the one below 90 deg is taken");
   }
   const Quaternion q_frame_from_principal =
-      q_frame_from_momentum(degree * spin.longitude_deg, degree * spin.latitude_deg) * at.q_momentum_from_principal;
+      q_frame_from_momentum(solved.longitude_rad, solved.latitude_rad) * at.q_momentum_from_principal;
   state.q_frame_from_named = (q_frame_from_principal * inertia.q_named_from_principal().conjugate()).normalized();
   state.omega_named_rad_s = rate(at.momentum_principal);
   body.state = state;
+  return solved;
 }
 
 // --- DAMIT ----------------------------------------------------------------------------------------------------------

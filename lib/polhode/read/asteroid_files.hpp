@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "polhode/body/body.hpp"
+#include "polhode/body/spin_partials.hpp"
 
 namespace polhode {
 
@@ -34,13 +35,15 @@ struct PublishedSpin {
   bool short_axis_convention = false;
   std::optional<bool> long_axis_mode;
   std::optional<double> energy;  ///< E/E0 as published, for the residual and to choose between modes
+  double energy_sigma = 0.0;     ///< of that; 0: none is published
   bool likelier_mode = false;    ///< if neither says the mode: that farther from the separatrix, with a warning
   Instant epoch;
   TimeScale epoch_scale = TimeScale::tdb;
 };
 
-/// Sets `body.state` from its inertia, and notes what was solved and how far over-determined numbers disagree.
-void set_tumbling_state(Body& body, const PublishedSpin& spin);
+/// Sets `body.state` from its inertia, and notes what was solved and how far over-determined numbers disagree. Returns
+/// what was solved; angles that are not given are 0.
+PublishedTumbling set_tumbling_state(Body& body, const PublishedSpin& spin);
 
 /// A rotation about the z axis, which is a principal one, at a constant rate: phi0 at the epoch counted as in DAMIT.
 void set_principal_axis_state(Body& body, const PublishedSpin& spin);

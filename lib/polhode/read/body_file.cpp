@@ -4,144 +4,31 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include "polhode/base/error.hpp"
 #include "polhode/body/euler.hpp"
+#include "polhode/body/spin_partials.hpp"
 #include "polhode/read/asteroid_files.hpp"
-#include "polhode/read/mesh_file.hpp"
+#include "polhode/read/inertia_table.hpp"
 #include "polhode/read/range.hpp"
 #include "polhode/read/toml_table.hpp"
+#include "polhode/read/uncertain_numbers.hpp"
 #include "polhode/read/units.hpp"
 
 namespace polhode {
 namespace {
 
-int axis_index(const TomlTable& table, std::string_view key) {
-  const std::string axis = table.text(key);
-  const auto at = std::string_view("xyz").find(axis);
-  if (axis.size() != 1 || at == std::string_view::npos) {
-    throw table.error(key, fmt::format("'{}' is not an axis; allowed: x, y, z", axis));
-  }
-  return static_cast<int>(at);
+EpochChange of_turn(const Vector3& turn_rad) {
+  EpochChange change;
+  change.turn_rad = turn_rad;
+  return change;
 }
-
-// What the file says about its axes must be what its moments say.
-void check_axis_names(const TomlTable& table, const Inertia& inertia) {
-  constexpr std::array<std::string_view, 3> keys{"long_axis", "intermediate_axis", "short_axis"};
-  const Vector3 moments_named = inertia_tensor(inertia).diagonal();
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (!table.has(keys[k])) continue;
-    const int axis = axis_index(table, keys[k]);
-    const double wanted = inertia.principal_moments[static_cast<int>(k)];
-    if (moments_named[axis] == wanted) continue;
-    throw table.error(keys[k], fmt::format("the moment about {} is {:.9g}, but the {} of the three is {:.9g} (the long "
-                                           "axis has the smallest moment, the short axis the largest)",
-                                           "xyz"[axis], moments_named[axis],
-                                           k == 0   ? "smallest"
-                                           : k == 1 ? "middle one"
-                                                    : "largest",
-                                           wanted));
-  }
+EpochChange of_rate(const Vector3& omega_rad_s) {
+  EpochChange change;
+  change.omega_rad_s = omega_rad_s;
+  return change;
 }
-
-// A solid of uniform density: its moments per mass, or with `mass_kg` or `density_kg_m3` in kg m2.
-Inertia uniform_solid(const TomlTable& table, std::string_view form, const MassProperties& solid, double unit_m) {
-  const bool has_mass = table.has("mass_kg");
-  const bool has_density = table.has("density_kg_m3");
-  if (has_mass && has_density) throw table.error("density_kg_m3", "either mass_kg or density_kg_m3, not both");
-  double factor = unit_m * unit_m / solid.volume;  // of 1 kg
-  if (has_mass || has_density) {
-    const std::string_view key = has_mass ? "mass_kg" : "density_kg_m3";
-    const double value = table.number(key);
-    if (!(value > 0.0)) throw table.error(key, "must be positive");
-    factor *= has_mass ? value : value * solid.volume * unit_m * unit_m * unit_m;
-  }
-  return table.located(
-      form, [&] { return inertia_from_tensor(Matrix3(factor * solid.inertia_about_centre), has_mass || has_density); });
-}
-
-/// 1 where nothing depends on the unit.
-double solid_unit_m(const TomlTable& table) {
-  if (!table.has("mass_kg") && !table.has("density_kg_m3") && !table.has("length_unit")) return 1.0;
-  return table.parsed("length_unit", length_unit_m);
-}
-
-Inertia read_mesh_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
-  table.allow_only({"mesh", "mass_kg", "density_kg_m3", "length_unit"});
-  const std::filesystem::path named = table.file_name("mesh");
-  const std::string file = (named.is_absolute() ? named : std::filesystem::path(path).parent_path() / named).string();
-  const double unit_m = solid_unit_m(table);
-  const TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return content_of(file); }), file);
-  const MassProperties solid = table.located("mesh", [&] { return mass_properties(mesh); });
-  body.notes.push_back(describe(solid));
-  return uniform_solid(table, "mesh", solid, unit_m);
-}
-
-Inertia read_ellipsoid_inertia(const TomlTable& table) {
-  table.allow_only({"semi_axes", "mass_kg", "density_kg_m3", "length_unit"});
-  const Vector3 axes = table.vector3("semi_axes");
-  if (!(axes.minCoeff() > 0.0)) throw table.error("semi_axes", "must be positive");
-  const double unit_m = solid_unit_m(table);
-  const Vector3 squares = axes.cwiseProduct(axes);
-  MassProperties solid;
-  solid.volume = 4.0 / 3.0 * std::numbers::pi * axes.prod();
-  solid.inertia_about_centre =
-      Vector3(solid.volume / 5.0 * Vector3(squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]))
-          .asDiagonal();
-  return uniform_solid(table, "semi_axes", solid, unit_m);
-}
-
-Inertia read_inertia(const TomlTable& table, Body& body, const std::string& path, const ContentOf& content_of) {
-  if (table.has("mesh")) return read_mesh_inertia(table, body, path, content_of);
-  if (table.has("semi_axes")) return read_ellipsoid_inertia(table);
-  // The last two have been asked for: they stand here for the messages.
-  table.allow_only({"moments", "products", "products_are", "tensor", "unit", "long_axis", "intermediate_axis",
-                    "short_axis", "mesh", "semi_axes"});
-  const std::string_view form = table.one_of({"moments", "tensor", "mesh", "semi_axes"});
-  const InertiaUnit unit = table.parsed("unit", inertia_unit);
-  const bool axes_named = table.has("long_axis") || table.has("intermediate_axis") || table.has("short_axis");
-  Matrix3 tensor;
-  bool diagonal = false;
-  if (form == "tensor") {
-    for (const std::string_view key : {"products", "products_are"}) {
-      if (table.has(key)) throw table.error(key, "goes with moments; a tensor has its products in it");
-    }
-    tensor = table.matrix3("tensor");
-    if ((tensor - tensor.transpose()).cwiseAbs().maxCoeff() > 1e-12 * tensor.cwiseAbs().maxCoeff()) {
-      throw table.error("tensor", "found a matrix that is not symmetric; a tensor of inertia is");
-    }
-  } else {
-    Vector3 products = Vector3::Zero();
-    ProductsOfInertia sign = ProductsOfInertia::tensor_elements;
-    diagonal = !table.has("products");
-    if (!diagonal) {
-      products = table.vector3("products");
-      const std::string are = table.text("products_are");
-      if (are == "positive integrals") {
-        sign = ProductsOfInertia::positive_integrals;
-      } else if (are != "tensor elements") {
-        throw table.error("products_are",
-                          fmt::format("'{}' is not a sign convention; allowed: 'tensor elements' (Ixy = -integral of x "
-                                      "y dm) or 'positive integrals' (Ixy = +integral of x y dm)",
-                                      are));
-      }
-    } else if (table.has("products_are")) {
-      throw table.error("products_are", "goes with products, which are not given");
-    }
-    tensor = inertia_tensor(table.vector3("moments"), products, sign);
-  }
-  if (axes_named && !diagonal) {
-    throw table.error(table.one_of({"long_axis", "intermediate_axis", "short_axis"}),
-                      "only moments without products belong to axes that can be named so");
-  }
-  const Inertia inertia =
-      table.located(form, [&] { return inertia_from_tensor(Matrix3(unit.factor * tensor), unit.absolute); });
-  check_axis_names(table, inertia);
-  return inertia;
-}
-
 /// An angle in rad beyond one turn is most likely one in degrees.
 void warn_of_degrees(const TomlTable& table, std::string_view key, double largest_rad, std::string_view unit,
                      Body& body) {
@@ -155,9 +42,24 @@ constexpr std::array<std::string_view, 4> quaternion_keys{
     "q_frame_from_body_scalar_first", "q_frame_from_body_scalar_last", "q_body_from_frame_scalar_first",
     "q_body_from_frame_scalar_last"};
 
-Quaternion read_attitude(const TomlTable& table, Body& body) {
-  table.allow_only({"euler_angles", "sequence", "unit", quaternion_keys[0], quaternion_keys[1], quaternion_keys[2],
-                    quaternion_keys[3]});
+/// What the components of a quaternion do, as far as they are not its length.
+std::vector<EpochChange> changes_of_components(const Quaternion& unit, double length, bool scalar_first_in_file,
+                                               bool to_frame) {
+  std::vector<EpochChange> changes;
+  for (int component = 0; component < 4; ++component) {
+    const int k = scalar_first_in_file ? component : (component + 1) % 4;  // scalar first
+    const Quaternion change = from_scalar_first(Eigen::Vector4d(Eigen::Vector4d::Unit(k) / length));
+    // q exp(turn/2) of q_frame_from_body, or of the conjugate of its conjugate.
+    const Vector3 turn =
+        to_frame ? Vector3(2.0 * (unit.conjugate() * change).vec()) : Vector3(-2.0 * (change * unit.conjugate()).vec());
+    changes.push_back(of_turn(turn));
+  }
+  return changes;
+}
+
+Quaternion read_attitude(const TomlTable& table, Body& body, UncertainNumbers& numbers) {
+  table.allow_only({"sequence", "unit"},
+                   {"euler_angles", quaternion_keys[0], quaternion_keys[1], quaternion_keys[2], quaternion_keys[3]});
   const std::string_view form =
       table.one_of({"euler_angles", quaternion_keys[0], quaternion_keys[1], quaternion_keys[2], quaternion_keys[3]});
   if (form == "euler_angles") {
@@ -167,6 +69,11 @@ Quaternion read_attitude(const TomlTable& table, Body& body) {
     const double unit_rad = table.located("unit", [&] { return angle_unit_rad(unit); });
     const Vector3 angles = table.vector3(form);
     warn_of_degrees(table, form, angles.cwiseAbs().maxCoeff(), unit, body);
+    std::vector<EpochChange> changes;
+    for (int k = 0; k < 3; ++k) {
+      changes.push_back(of_turn(omega_body_rad_s(sequence, unit_rad * angles, unit_rad * Vector3::Unit(k))));
+    }
+    numbers.add(table, form, {"1", "2", "3"}, std::move(changes));
     return q_frame_from_body(sequence, unit_rad * angles);
   }
   for (const std::string_view key : {"sequence", "unit"}) {
@@ -181,31 +88,58 @@ Quaternion read_attitude(const TomlTable& table, Body& body) {
     body.warnings.push_back(fmt::format("the quaternion has length {:.9g}; it was scaled to 1", length));
   }
   const Quaternion unit(given.coeffs().stableNormalized().eval());
+  const bool scalar_first = form.ends_with("first");
+  const auto changes = changes_of_components(unit, length, scalar_first, form.starts_with("q_frame"));
+  if (scalar_first) {
+    numbers.add(table, form, {"q0", "q1", "q2", "q3"}, changes);
+  } else {
+    numbers.add(table, form, {"q1", "q2", "q3", "q0"}, changes);
+  }
   return form.starts_with("q_frame") ? unit : unit.conjugate();
 }
 
-// "axes" of a rate: the components as they are, or turned from the inertial frame into the body.
-Vector3 read_components(const TomlTable& table, const SpinState& state) {
+/// "axes" of a rate: its components in the body's, and where each of the file's leads.
+struct Components {
+  Vector3 in_body;
+  Matrix3 body_from_file = Matrix3::Identity();
+  bool in_frame = false;
+};
+
+Components read_components(const TomlTable& table, const SpinState& state) {
   const std::string axes = table.text("axes");
   const Vector3 components = table.vector3("components");
-  if (axes == "body") return components;
+  if (axes == "body") return {components};
   if (axes != "frame") {
     throw table.error("axes", fmt::format("found '{}'; allowed: 'body' (x, y, z of the inertia) or 'frame' (the "
                                           "inertial frame of the state)",
                                           axes));
   }
   if (!state.q_frame_from_named) throw table.error("axes", "components in the frame need an attitude, none is given");
-  return state.q_frame_from_named->conjugate() * components;
+  const Quaternion q_named_from_frame = state.q_frame_from_named->conjugate();
+  return {q_named_from_frame * components, q_named_from_frame.toRotationMatrix(), true};
 }
 
-Vector3 read_angular_velocity(const TomlTable& table, const SpinState& state) {
-  table.allow_only({"components", "axes", "unit"});
+void add_components(const TomlTable& table, const Matrix3& omega_of_components, UncertainNumbers& numbers) {
+  numbers.add(
+      table, "components", {"x", "y", "z"},
+      {of_rate(omega_of_components.col(0)), of_rate(omega_of_components.col(1)), of_rate(omega_of_components.col(2))});
+}
+
+Vector3 read_angular_velocity(const TomlTable& table, const SpinState& state, UncertainNumbers& numbers) {
+  table.allow_only({"axes", "unit"}, {"components"});
   const double unit_rad_s = table.parsed("unit", angular_velocity_unit_rad_s);
-  return unit_rad_s * read_components(table, state);
+  const Components components = read_components(table, state);
+  const Vector3 omega_rad_s = unit_rad_s * components.in_body;
+  if (components.in_frame) {  // it stays there where the body turns
+    numbers.follow([&](EpochChange& change) { change.omega_rad_s += omega_rad_s.cross(change.turn_rad); });
+  }
+  add_components(table, unit_rad_s * components.body_from_file, numbers);
+  return omega_rad_s;
 }
 
-Vector3 read_angular_momentum(const TomlTable& table, const SpinState& state, const std::optional<Inertia>& inertia) {
-  table.allow_only({"components", "axes", "unit"});
+Vector3 read_angular_momentum(const TomlTable& table, const SpinState& state, const std::optional<Inertia>& inertia,
+                              UncertainNumbers& numbers) {
+  table.allow_only({"axes", "unit"}, {"components"});
   const std::string unit_name = table.text("unit");
   const InertiaUnit unit = table.located("unit", [&] { return angular_momentum_unit(unit_name); });
   if (!inertia) throw table.error("components", "an angular momentum needs an [inertia] table");
@@ -213,16 +147,26 @@ Vector3 read_angular_momentum(const TomlTable& table, const SpinState& state, co
     throw table.error("unit", fmt::format("found '{}', but the inertia is in {}; both must be absolute, or both ratios",
                                           unit_name, inertia->absolute ? "absolute units" : "ratios"));
   }
-  const Vector3 momentum_named = unit.factor * read_components(table, state);
-  const Vector3 momentum = inertia->named_from_principal.transpose() * momentum_named;
-  return inertia->named_from_principal * momentum.cwiseQuotient(inertia->principal_moments);
+  const Components components = read_components(table, state);
+  const Vector3 momentum_named = unit.factor * components.in_body;
+  const Matrix3& axes = inertia->named_from_principal;
+  const Vector3 momentum = axes.transpose() * momentum_named;
+  const Vector3 omega_rad_s = axes * momentum.cwiseQuotient(inertia->principal_moments);
+  const Matrix3 inverse_tensor = axes * inertia->principal_moments.cwiseInverse().asDiagonal() * axes.transpose();
+  numbers.follow([&](EpochChange& change) {
+    Vector3 of_momentum = -change.tensor * omega_rad_s;
+    if (components.in_frame) of_momentum += momentum_named.cross(change.turn_rad);
+    change.omega_rad_s += inverse_tensor * of_momentum;
+  });
+  add_components(table, unit.factor * inverse_tensor * components.body_from_file, numbers);
+  return omega_rad_s;
 }
 
 Date epoch_of(const TomlTable& table) {
   return table.parsed("epoch", [](const std::string& text) { return parse_date_with_scale(text); });
 }
 
-SpinState read_state(const TomlTable& table, Body& body) {
+SpinState read_state(const TomlTable& table, Body& body, UncertainNumbers& numbers) {
   table.allow_only({"epoch", "frame", "attitude", "angular_velocity", "angular_momentum"});
   SpinState state;
   const Date date = epoch_of(table);
@@ -232,20 +176,68 @@ SpinState read_state(const TomlTable& table, Body& body) {
     if (const auto doubt = utc_doubt(date.instant)) body.warnings.push_back("epoch: " + *doubt);
   }
   state.frame = table.parsed("frame", frame_of_state);
-  if (table.has("attitude")) state.q_frame_from_named = read_attitude(table.table("attitude"), body);
+  if (table.has("attitude")) state.q_frame_from_named = read_attitude(table.table("attitude"), body, numbers);
   if (table.has("angular_velocity") || table.has("angular_momentum")) {
     const std::string_view rate = table.one_of({"angular_velocity", "angular_momentum"});
     const TomlTable values = table.table(rate);
-    state.omega_named_rad_s = rate == "angular_velocity" ? read_angular_velocity(values, state)
-                                                         : read_angular_momentum(values, state, body.inertia);
+    state.omega_named_rad_s = rate == "angular_velocity" ? read_angular_velocity(values, state, numbers)
+                                                         : read_angular_momentum(values, state, body.inertia, numbers);
   }
   return state;
 }
 
+/// What the numbers of a tumbling [spin] do, those of the inertia through the motion that has the periods.
+void add_tumbling_numbers(const TomlTable& table, const Body& body, PublishedTumbling spin, double unit_rad,
+                          double unit_s, UncertainNumbers& numbers) {
+  const Inertia inertia = separate_moments(*body.inertia);
+  if (inertia.principal_moments != body.inertia->principal_moments) {
+    spin.periods.long_axis_mode = spin.motion.long_axis_mode;
+    spin.motion = solve_periods(inertia, spin.periods).front();
+  }
+  const Vector3& omega_rad_s = *body.state->omega_named_rad_s;
+  const TumblingPartials partials = tumbling_partials(inertia, spin);
+  numbers.follow([&](EpochChange& change) {
+    const Vector3 moments =
+        (inertia.named_from_principal.transpose() * change.tensor * inertia.named_from_principal).diagonal();
+    Vector3 turn = Vector3::Zero(), momentum = Vector3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      turn += moments[k] * partials.moments[static_cast<std::size_t>(k)].turn;
+      momentum += moments[k] * partials.moments[static_cast<std::size_t>(k)].momentum;
+    }
+    change = epoch_change(inertia, omega_rad_s, turn, momentum, change.tensor);
+  });
+  const auto add = [&](std::string_view key, double unit, const TumblingPartials::Column& column) {
+    if (!table.has(key)) return;
+    numbers.add(table, key, {},
+                {epoch_change(inertia, omega_rad_s, unit * column.turn, unit * column.momentum, Matrix3::Zero())});
+  };
+  add("lambda", unit_rad, partials.longitude);
+  add("beta", unit_rad, partials.latitude);
+  add("phi0", unit_rad, partials.phi);
+  add("psi0", unit_rad, partials.psi);
+  add("P_phi", unit_s, partials.precession_period);
+  add("P_psi", unit_s, partials.rotation_period);
+}
+
+/// What the numbers of a [spin] about the z axis do.
+void add_principal_axis_numbers(const TomlTable& table, const PublishedSpin& spin, double unit_rad, double unit_s,
+                                UncertainNumbers& numbers) {
+  const Vector3 angles = degree * Vector3(spin.longitude_deg, 90.0 - spin.latitude_deg, spin.phi0_deg.value_or(0.0));
+  const auto turn = [&](const Vector3& of_angles) {
+    return of_turn(unit_rad * omega_body_rad_s(EulerSequence("ZYZ"), angles, of_angles));
+  };
+  numbers.add(table, "lambda", {}, {turn(Vector3::UnitX())});
+  numbers.add(table, "beta", {}, {turn(-Vector3::UnitY())});
+  if (spin.phi0_deg) numbers.add(table, "phi0", {}, {turn(Vector3::UnitZ())});
+  const double period_s = spin.rotation_period_s;
+  numbers.add(table, "period", {},
+              {of_rate(-2.0 * std::numbers::pi * unit_s / (period_s * period_s) * Vector3::UnitZ())});
+}
+
 // Direction of the angular momentum, angles and periods, as light-curve papers have them.
-void read_spin(const TomlTable& table, Body& body) {
-  table.allow_only({"epoch", "frame", "unit", "lambda", "beta", "phi0", "psi0", "theta0", "convention", "mode",
-                    "period_unit", "P_phi", "P_psi", "period", "energy"});
+void read_spin(const TomlTable& table, Body& body, const BodyFileSurroundings& around) {
+  table.allow_only({"epoch", "frame", "unit", "convention", "mode", "period_unit"},
+                   {"lambda", "beta", "phi0", "psi0", "theta0", "P_phi", "P_psi", "period", "energy"});
   PublishedSpin spin;
   const Date date = epoch_of(table);
   spin.epoch = date.instant;
@@ -275,6 +267,7 @@ void read_spin(const TomlTable& table, Body& body) {
     }
     spin.rotation_period_s = period("period");
     set_principal_axis_state(body, spin);
+    add_principal_axis_numbers(table, spin, degree * unit_deg, unit_s, around.numbers);
     return;
   }
   if (!body.inertia) throw table.error("P_psi", "tumbling needs an [inertia] table");
@@ -283,6 +276,8 @@ void read_spin(const TomlTable& table, Body& body) {
   spin.precession_period_s = period("P_phi");
   spin.rotation_period_s = period("P_psi");
   if (table.has("energy")) spin.energy = table.number("energy");
+  spin.energy_sigma = UncertainNumbers::sigma_beside(table, "energy");
+  UncertainNumbers::sigma_beside(table, "theta0");
   const auto axis = [&](std::string_view key) {
     const std::string name = table.text(key);
     if (name != "long-axis" && name != "short-axis") {
@@ -292,26 +287,42 @@ void read_spin(const TomlTable& table, Body& body) {
   };
   spin.short_axis_convention = !axis("convention");
   if (table.has("mode")) spin.long_axis_mode = axis("mode");
-  table.located("P_psi", [&] { set_tumbling_state(body, spin); });
+  table.located("P_psi", [&] {
+    const PublishedTumbling solved = set_tumbling_state(body, spin);
+    if (around.wants_changes) add_tumbling_numbers(table, body, solved, degree * unit_deg, unit_s, around.numbers);
+  });
+}
+
+Body body_of(const TomlTable& root, const BodyFileSurroundings& around) {
+  root.allow_only({"name", "id", "source", "period_uncertainty", "inertia", "state", "spin", "uncertainty"});
+  Body body;
+  body.name = root.text("name");
+  body.id = root.optional_text("id").value_or("");
+  body.source = root.optional_text("source").value_or("");
+  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, around);
+  if (root.has("state") && root.has("spin")) throw root.error("spin", "either [state] or [spin], not both");
+  if (root.has("state")) body.state = read_state(root.table("state"), body, around.numbers);
+  if (root.has("spin")) read_spin(root.table("spin"), body, around);
+  if (body.inertia) root.located(root.has("inertia") ? "inertia" : "spin", [&] { check_range(*body.inertia); });
+  if (body.state && body.state->omega_named_rad_s) {
+    root.located(root.has("state") ? "state" : "spin", [&] { check_range_of_rate(*body.state->omega_named_rad_s); });
+  }
+  return body;
 }
 
 }  // namespace
 
 Body parse_body_file(std::string_view text, const std::string& path, const ContentOf& content_of) {
   const TomlTable root = TomlTable::parse(text, path);
-  root.allow_only({"name", "id", "source", "period_uncertainty", "inertia", "state", "spin"});
-  Body body;
-  body.name = root.text("name");
-  body.id = root.optional_text("id").value_or("");
-  body.source = root.optional_text("source").value_or("");
-  if (root.has("period_uncertainty")) body.period_uncertainty = root.positive_number("period_uncertainty");
-  if (root.has("inertia")) body.inertia = read_inertia(root.table("inertia"), body, path, content_of);
-  if (root.has("state") && root.has("spin")) throw root.error("spin", "either [state] or [spin], not both");
-  if (root.has("state")) body.state = read_state(root.table("state"), body);
-  if (root.has("spin")) read_spin(root.table("spin"), body);
-  if (body.inertia) root.located(root.has("inertia") ? "inertia" : "spin", [&] { check_range(*body.inertia); });
-  if (body.state && body.state->omega_named_rad_s) {
-    root.located(root.has("state") ? "state" : "spin", [&] { check_range_of_rate(*body.state->omega_named_rad_s); });
+  UncertainNumbers numbers;
+  const bool wants_changes = root.has("uncertainty") || text.find("_sigma") != std::string_view::npos;
+  Body body = body_of(root, {path, content_of, numbers, wants_changes});
+  body.uncertainty = numbers.uncertainty(root, [path, content_of](const TomlTable& other) {
+    UncertainNumbers of_clone;
+    return body_of(other, {path, content_of, of_clone, false, true});
+  });
+  if (root.has("period_uncertainty")) {
+    root.located("period_uncertainty", [&] { set_period_uncertainty(body, root.number("period_uncertainty")); });
   }
   return body;
 }

@@ -152,7 +152,10 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
     throw root.error("after", "the span is empty; 'before' or 'after' says how long it is");
   const std::string accuracy = quantity("accuracy", "0.1 deg");
   scene.accuracy_rad = root.located("accuracy", [&] { return parse_tolerance_rad(accuracy); });
-  if (root.has("period_uncertainty")) scene.body.period_uncertainty = root.positive_number("period_uncertainty");
+  if (root.has("period_uncertainty")) {
+    root.located("period_uncertainty",
+                 [&] { set_period_uncertainty(scene.body, root.positive_number("period_uncertainty")); });
+  }
   const OrbitsByName orbits = read_orbits(root, scene, folder, content_of);
   const TorqueSurroundings surroundings{scene.body, orbits, folder, content_of};
   std::vector<Torque> torques;

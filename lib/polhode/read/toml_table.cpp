@@ -23,9 +23,10 @@ struct TomlTable::Node {
   const toml::table* table = nullptr;
   std::string path;
   std::string prefix;  // "state." for messages
+  std::vector<std::pair<Place, double>> replaced = {};
 
   std::shared_ptr<const Node> child(const toml::table& of, const std::string& name) const {
-    return std::make_shared<const Node>(Node{document, &of, path, prefix + name + "."});
+    return std::make_shared<const Node>(Node{document, &of, path, prefix + name + ".", replaced});
   }
 };
 
@@ -160,7 +161,7 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
   refuse_what_breaks_the_parser(text, path);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, path));
-    return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, ""}));
+    return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, "", {}}));
   } catch (const toml::parse_error& problem) {
     const std::size_t line = problem.source().begin.line;
     const std::string_view word = bare_word(text, line);
@@ -188,11 +189,27 @@ InputError TomlTable::error(std::string_view key, const std::string& message) co
   return {where(key), fmt::format("{}{}: {}", node_->prefix, key, message)};
 }
 
-void TomlTable::allow_only(std::span<const std::string_view> keys) const {
+void TomlTable::allow_only(std::span<const std::string_view> keys) const { allow_only(keys, {}); }
+
+void TomlTable::allow_only(std::span<const std::string_view> keys, std::span<const std::string_view> with_sigma) const {
+  constexpr std::string_view sigma = "_sigma";
+  const auto among = [](std::span<const std::string_view> names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
   for (const auto& [key, value] : *node_->table) {
-    if (std::find(keys.begin(), keys.end(), key.str()) == keys.end()) {
-      throw error(key.str(), fmt::format("unknown key; allowed here: {}", fmt::join(keys, ", ")));
+    const std::string_view name = key.str();
+    if (among(keys, name) || among(with_sigma, name)) continue;
+    if (name.ends_with(sigma) && among(with_sigma, name.substr(0, name.size() - sigma.size()))) {
+      const std::string_view number = name.substr(0, name.size() - sigma.size());
+      if (!has(number)) throw error(name, fmt::format("goes with {}, which is not given", number));
+      continue;
     }
+    std::string allowed = fmt::format("{}", fmt::join(keys, ", "));
+    if (!with_sigma.empty()) {
+      allowed += fmt::format("{}{}, and of these with _sigma behind it the uncertainty", keys.empty() ? "" : ", ",
+                             fmt::join(with_sigma, ", "));
+    }
+    throw error(name, fmt::format("unknown key; allowed here: {}", allowed));
   }
 }
 
@@ -243,6 +260,9 @@ struct TomlTable::Element {
 
 double TomlTable::finite_number(std::string_view key, const Element& element) const {
   const toml::node& node = element.node;
+  for (const auto& [place, number] : node_->replaced) {
+    if (place == &node) return number;
+  }
   if (const auto* integer = node.as_integer()) return static_cast<double>(**integer);
   const auto* floating = node.as_floating_point();
   if (floating != nullptr && std::isfinite(**floating)) return **floating;
@@ -279,22 +299,60 @@ Vector3 TomlTable::vector3(std::string_view key) const {
   return {v[0], v[1], v[2]};
 }
 
-Matrix3 TomlTable::matrix3(std::string_view key) const {
+std::vector<std::vector<double>> TomlTable::square(std::string_view key, std::size_t size) const {
   const toml::node* value = node_->table->get(key);
-  if (value == nullptr) throw error(key, "this key is missing, three rows of three numbers are wanted");
+  const std::string wanted =
+      size == 3 ? "three rows of three numbers are wanted" : fmt::format("{0} rows of {0} numbers are wanted", size);
+  if (value == nullptr) throw error(key, "this key is missing, " + wanted);
   const toml::array* rows = value->as_array();
-  std::vector<double> elements;
-  if (rows != nullptr && rows->size() == 3) {
-    for (const toml::node& row : *rows) {
-      if (!row.is_array() || row.as_array()->size() != 3) break;
-      for (const toml::node& element : *row.as_array()) elements.push_back(finite_number(key, {element}));
+  if (rows == nullptr || rows->size() != size) throw error(key, fmt::format("found {}, {}", kind(*value), wanted));
+  std::vector<std::vector<double>> matrix;
+  for (const toml::node& row : *rows) {
+    if (!row.is_array() || row.as_array()->size() != size) {
+      throw InputError({node_->path, line_of(row)},
+                       fmt::format("{}{}: found {} in the place of a row, {}", node_->prefix, key, kind(row), wanted));
     }
+    std::vector<double>& numbers = matrix.emplace_back();
+    for (const toml::node& element : *row.as_array()) numbers.push_back(finite_number(key, {element}));
   }
-  if (elements.size() != 9)
-    throw error(key, fmt::format("found {}, three rows of three numbers are wanted", kind(*value)));
-  Matrix3 matrix;
-  for (std::size_t i = 0; i < 9; ++i) matrix(static_cast<int>(i / 3), static_cast<int>(i % 3)) = elements[i];
   return matrix;
+}
+
+Matrix3 TomlTable::matrix3(std::string_view key) const {
+  const std::vector<std::vector<double>> rows = square(key, 3);
+  Matrix3 matrix;
+  for (int i = 0; i < 3; ++i) matrix.row(i) = Eigen::Map<const Vector3>(rows[static_cast<std::size_t>(i)].data());
+  return matrix;
+}
+
+std::vector<std::string> TomlTable::texts(std::string_view key) const {
+  const toml::node* value = node_->table->get(key);
+  constexpr const char* wanted = "a list of texts in quotes is wanted";
+  if (value == nullptr) throw error(key, fmt::format("this key is missing, {}", wanted));
+  if (!value->is_array()) throw error(key, fmt::format("found {}, {}", kind(*value), wanted));
+  std::vector<std::string> out;
+  for (const toml::node& element : *value->as_array()) {
+    if (!element.is_string()) throw error(key, fmt::format("found {}, {}", kind(element), wanted));
+    out.push_back(**element.as_string());
+  }
+  return out;
+}
+
+std::vector<TomlTable::Place> TomlTable::places(std::string_view key) const {
+  std::vector<Place> found;
+  const auto collect = [&found](const toml::node& node, const auto& self) -> void {
+    if (node.is_number()) found.push_back(&node);
+    if (!node.is_array()) return;
+    for (const toml::node& element : *node.as_array()) self(element, self);
+  };
+  if (const toml::node* value = node_->table->get(key)) collect(*value, collect);
+  return found;
+}
+
+TomlTable TomlTable::replaced(std::vector<std::pair<Place, double>> numbers) const {
+  Node with = *node_;
+  with.replaced = std::move(numbers);
+  return TomlTable(std::make_shared<const Node>(std::move(with)));
 }
 
 TomlTable TomlTable::table(std::string_view key) const {

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "polhode/base/error.hpp"
@@ -28,6 +29,12 @@ class TomlTable {
   void allow_only(std::initializer_list<std::string_view> keys) const {
     allow_only(std::span(keys.begin(), keys.size()));
   }
+  /// The same, and of each key in `with_sigma` also its uncertainty, KEY_sigma: refuses one without its key.
+  void allow_only(std::span<const std::string_view> keys, std::span<const std::string_view> with_sigma) const;
+  void allow_only(std::initializer_list<std::string_view> keys,
+                  std::initializer_list<std::string_view> with_sigma) const {
+    allow_only(std::span(keys.begin(), keys.size()), std::span(with_sigma.begin(), with_sigma.size()));
+  }
   /// The one of these keys that is there; refuses none and two.
   std::string_view one_of(std::initializer_list<std::string_view> keys) const;
 
@@ -40,9 +47,18 @@ class TomlTable {
   std::vector<double> numbers(std::string_view key, std::size_t count) const;
   Vector3 vector3(std::string_view key) const;
   Matrix3 matrix3(std::string_view key) const;
+  /// A list of as many lists of as many numbers.
+  std::vector<std::vector<double>> square(std::string_view key, std::size_t size) const;
+  std::vector<std::string> texts(std::string_view key) const;
   TomlTable table(std::string_view key) const;
   /// The elements of an array of tables; none if the key is absent.
   std::vector<TomlTable> tables(std::string_view key) const;
+
+  /// Where the numbers of a key stand in the document, in their order, those of lists in a list too.
+  using Place = const void*;
+  std::vector<Place> places(std::string_view key) const;
+  /// The same table of the same document, in which other numbers stand at these places.
+  TomlTable replaced(std::vector<std::pair<Place, double>> numbers) const;
 
   /// Where a key stands, or the table if it is absent.
   SourceLocation where(std::string_view key) const;

@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "polhode/base/error.hpp"
-#include "polhode/body/phase.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/free_body.hpp"
+#include "polhode/motion/known_until.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 
 namespace polhode {
@@ -66,6 +66,10 @@ BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std:
       planned_motion(plan, moving.free, scene.first_s, scene.last_s,
                      most_evaluations.value_or(full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
   moving.motion = std::move(planned.motion);
+  moving.motion_of = [plan, first_s = scene.first_s, last_s = scene.last_s, full](const FreeBody& other) {
+    const std::size_t most = full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations;
+    return std::shared_ptr<const Motion>(planned_motion(plan, other, first_s, last_s, most).motion);
+  };
   moving.account = [account = std::move(planned.account)](double, double) { return account; };
   return moving;
 }
@@ -83,7 +87,7 @@ std::size_t rows_for_tolerance(const BodyInMotion& moving, Instant start, Instan
 }
 
 Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<double> tolerance_rad,
-                  const EphemerisFormat* format) {
+                  const EphemerisFormat* format, bool covariance) {
   const Instant first = times.instant(times.time(0, {}));
   const Instant last = times.instant(times.time(times.size() - 1, {}));
   const MotionAccount account = moving.account_between(first, last, times.scale());
@@ -98,7 +102,7 @@ Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<doub
   if (moving.under_torques) description.torque_evaluations = account.torque_evaluations;
   const Instant epoch = body.state->epoch;
   const double farthest_s = std::max(std::abs((first - epoch).high), std::abs((last - epoch).high));
-  if (auto caution = phase_warning(body, farthest_s)) description.cautions.push_back(*std::move(caution));
+  if (auto caution = worth_text(body, farthest_s)) description.cautions.push_back(*std::move(caution));
   if (tolerance_rad && format != nullptr) {
     description.tolerance_rad = tolerance_rad;
     description.interpolation = format->interpolation_text;
@@ -107,7 +111,14 @@ Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<doub
       description.ccsds_interpolation_degree = 7;
     }
   }
-  return {std::move(description), body, moving.frame, std::move(times), states_of(moving.motion)};
+  CovarianceRows uncertain;
+  if (covariance) {
+    uncertain = covariance_rows(moving, (first - epoch).high, (last - epoch).high);
+    if (uncertain.caution) description.cautions.push_back(*std::move(uncertain.caution));
+  }
+  Ephemeris ephemeris(std::move(description), body, moving.frame, std::move(times), states_of(moving.motion));
+  if (covariance) ephemeris.set_covariance(std::move(uncertain.rows));
+  return ephemeris;
 }
 
 }  // namespace polhode

@@ -23,6 +23,8 @@ struct BodyInMotion {
   /// What to say of the states between two times, seconds from the epoch.
   std::function<MotionAccount(double first_s, double last_s)> account;
   bool under_torques = false;
+  /// Under torques: the motion of another body at the same epoch, as planned for this one.
+  std::function<std::shared_ptr<const Motion>(const FreeBody&)> motion_of;
   double first_s = 0.0, last_s = 0.0;  ///< under torques: the span that the motion was made for
 
   /// The same between two instants. Throws InputError where they lie outside of the span.
@@ -36,12 +38,23 @@ BodyInMotion free_motion_of(Body body, Frame frame, const Method& method);
 /// `most_evaluations` is the library's choice unless given.
 BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std::size_t> most_evaluations);
 
+/// The covariance of the attitude of a body with uncertainties, and what to say of it.
+struct CovarianceRows {
+  CovarianceOfAttitude rows;
+  std::optional<std::string> caution;
+};
+
+/// Between two times, seconds from the epoch. Of a free motion by its exact partial derivatives; under torques by
+/// motions that are displaced by a part of a sigma both ways. Throws InputError for a body without an uncertainty.
+CovarianceRows covariance_rows(const BodyInMotion& moving, double from_s, double to_s);
+
 /// How many rows keep what the format's readers interpolate within the tolerance.
 std::size_t rows_for_tolerance(const BodyInMotion& moving, Instant start, Instant stop, TimeScale scale,
                                double tolerance_rad, RowInterpolation interpolation);
 
-/// The rows at these times. `tolerance_rad` is promised between them in this format, if it is given.
+/// The rows at these times, with their covariance if it is asked for. `tolerance_rad` is promised between them in this
+/// format, if it is given.
 Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<double> tolerance_rad,
-                  const EphemerisFormat* format);
+                  const EphemerisFormat* format, bool covariance = false);
 
 }  // namespace polhode

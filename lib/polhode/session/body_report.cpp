@@ -1,12 +1,13 @@
 #include "polhode/session/body_report.hpp"
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <utility>
 
-#include "polhode/body/phase.hpp"
 #include "polhode/motion/events.hpp"
 #include "polhode/motion/free_body.hpp"
+#include "polhode/motion/known_until.hpp"
 
 namespace polhode {
 namespace {
@@ -25,6 +26,28 @@ Json json(const AxisMotion& axis) {
 }
 
 Json json(const Direction& direction) { return {direction.longitude_rad * degrees, direction.latitude_rad * degrees}; }
+
+/// Seconds after the epoch; null: for ever.
+Json json(const KnownUntil& known) { return std::isfinite(known.after_s) ? Json(known.after_s) : Json(); }
+
+Json json(const Body& body, const std::optional<double>& energy_sigma, const std::optional<StateWorth>& worth) {
+  Json out{{"parameters", Json::array()}, {"sigmas", Json::array()}};
+  for (std::size_t i = 0; i < body.uncertainty->numbers.size(); ++i) {
+    out["parameters"].push_back(body.uncertainty->numbers[i].name);
+    out["sigmas"].push_back(body.uncertainty->sigma(i));
+  }
+  if (energy_sigma) out["energy_above_ground_sigma"] = *energy_sigma;
+  if (!worth) return out;
+  out["sigma_at_epoch_deg"] = worth->sigma_at_epoch_rad * degrees;
+  out["known_to_1_deg_until_s"] = json(worth->degree);
+  out["known_to_10_deg_until_s"] = json(worth->ten_degrees);
+  out["known_until_s"] = json(worth->at_all);
+  out["largest_term"] = worth->limit;
+  out["largest_term_at_s"] = worth->limit_s;
+  out["largest_term_share"] = worth->limit_share;
+  out["known_to_10_deg_with_it_ten_times_better_until_s"] = json(worth->with_better_limit);
+  return out;
+}
 
 Json json(const AttitudeHistory& history) {
   Json out{{"object", history.object},
@@ -52,8 +75,9 @@ Json json(const AttitudeHistory& history) {
 }  // namespace
 
 BodyReport report_on(const std::string& path, BodyAndHistory file) {
-  BodyReport report{path,         std::move(file.body),    std::nullopt, std::nullopt,
-                    std::nullopt, std::move(file.history), std::nullopt};
+  BodyReport report{path,         std::move(file.body), std::nullopt,
+                    std::nullopt, std::nullopt,         std::move(file.history),
+                    std::nullopt, std::nullopt,         std::nullopt};
   Body& body = report.body;
   for (const std::string& what : body.missing) {
     body.warnings.push_back((report.history ? "cannot be propagated beyond its attitude history; it lacks "
@@ -87,7 +111,10 @@ BodyReport report_on(const std::string& path, BodyAndHistory file) {
       body.warnings.push_back("rotation about the intermediate axis is unstable: the smallest disturbance flips it");
     }
   }
-  if (const auto caution = phase_warning(body)) body.warnings.push_back(*caution);
+  if (body.uncertainty && report.spin && report.spin->mode != RotationMode::rest) {
+    report.energy_sigma = energy_sigma(body);
+    if (body.missing.empty()) report.worth = state_worth(body);
+  }
   return report;
 }
 
@@ -141,6 +168,7 @@ std::string json_text(const BodyReport& report) {
     }
     out["motion"] = motion;
   }
+  if (body.uncertainty) out["uncertainty"] = json(body, report.energy_sigma, report.worth);
   for (const StatedAttitude& attitude : body.attitudes) {
     const Eigen::Vector4d q = scalar_first(attitude.q_frame_from_body);
     Json stated{{"block", attitude.block},

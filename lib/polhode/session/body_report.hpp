@@ -4,6 +4,7 @@
 #include <string>
 
 #include "polhode/body/invariants.hpp"
+#include "polhode/motion/known_until.hpp"
 #include "polhode/read/body.hpp"
 
 namespace polhode {
@@ -18,7 +19,9 @@ struct BodyReport {
   std::optional<SpinInvariants> spin;
   std::optional<Vector3> momentum_ecliptic, momentum_icrf;
   std::optional<AttitudeHistory> history;
-  std::optional<double> next_flip_s;  ///< from the epoch
+  std::optional<double> next_flip_s;   ///< from the epoch
+  std::optional<double> energy_sigma;  ///< of E/E0; this and the next of a body that has uncertainties
+  std::optional<StateWorth> worth;
 };
 
 /// `path` is what the report calls the file.

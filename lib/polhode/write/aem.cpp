@@ -11,6 +11,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/write/ccsds_lines.hpp"
 #include "polhode/write/date_text.hpp"
 #include "polhode/write/document.hpp"
 #include "polhode/write/number_text.hpp"
@@ -21,7 +22,6 @@ namespace {
 
 constexpr std::string_view usual_frame_b = "SC_BODY_1";
 constexpr double degrees = 180.0 / std::numbers::pi;
-constexpr std::size_t longest_line = 254;  // of a message in KVN by CCSDS 504.0-B, without its end
 
 /// A number of a row in XML: its element, and the element around it and its neighbours (empty: none).
 struct XmlField {
@@ -139,26 +139,6 @@ std::string sequence_name(const AemOptions& options) {
   return name;
 }
 
-std::string xml_escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
-
 /// Writes either notation.
 class Writer {
  public:
@@ -199,21 +179,7 @@ class Writer {
     comment(
         fmt::format("Frame B is the axes that the body's file names. The quaternion takes components from A to B;"));
     comment("a body turned by +90 deg about z of A has Q1 Q2 Q3 QC = 0 0 0.7071 0.7071.");
-    comment(fmt::format("Method: {}.", description.method));
-    if (description.promised_error_rad) {
-      comment(fmt::format("Promised error of the rows: {:.1e} rad ({}).", *description.promised_error_rad,
-                          description.error_meaning));
-    } else if (!description.error_meaning.empty()) {
-      comment(fmt::format("Error of the rows: {}.", description.error_meaning));
-    }
-    if (description.torque_evaluations)
-      comment(fmt::format("Torque evaluations: {}.", *description.torque_evaluations));
-    for (const std::string& caution : description.cautions) comment("Caution: " + caution + ".");
-    if (description.tolerance_rad) {
-      comment(
-          fmt::format("Between rows, {}: within {:.3e} rad.", description.interpolation, *description.tolerance_rad));
-    }
-    if (!description.source.empty()) comment("Source of the body: " + description.source);
+    for (const std::string& text : comments_on(description)) comment(text);
     key("OBJECT_NAME", description.object);
     key("OBJECT_ID", description.object_id.empty() ? description.object : description.object_id);
     key("REF_FRAME_A", ephemeris.frame_name());
@@ -260,43 +226,9 @@ class Writer {
 
  private:
   void key(std::string_view name, std::string_view value) {
-    const std::string plain = plain_text(value);
-    const std::string_view text = plain.empty() ? "unknown" : std::string_view(plain);  // a value may not be missing
-    const std::string line =
-        options_.xml ? fmt::format("<{0}>{1}</{0}>\n", name, xml_escaped(text)) : fmt::format("{} = {}\n", name, text);
-    if (!options_.xml && line.size() > longest_line + 1) {
-      throw InputError(
-          fmt::format("{} has {} bytes; with its keyword a line of a CCSDS message has {} at most: shorten it, "
-                      "or write XML, which has no such limit",
-                      name, text.size(), longest_line));
-    }
-    bytes_.write(line);
+    bytes_.write(options_.xml ? xml_element(name, value) : kvn_line(name, value));
   }
-
-  /// In as many lines as it needs.
-  void comment(const std::string& text) {
-    constexpr std::string_view keyword = "COMMENT ";
-    const std::string plain = plain_text(text);
-    std::string_view rest = plain;
-    do {
-      std::size_t end = rest.size();
-      if (!options_.xml && end > longest_line - keyword.size()) {
-        end = longest_line - keyword.size();
-        const std::size_t blank = rest.rfind(' ', end);
-        const auto is_inside_character = [&] { return (static_cast<unsigned char>(rest[end]) & 0xC0U) == 0x80U; };
-        if (blank != std::string_view::npos && blank > 0) {
-          end = blank;
-        } else {
-          while (end > 1 && is_inside_character()) --end;
-        }
-      }
-      const std::string_view line = rest.substr(0, end);
-      bytes_.write(options_.xml ? fmt::format("<COMMENT>{}</COMMENT>\n", xml_escaped(line))
-                                : fmt::format("{}{}\n", keyword, line));
-      rest.remove_prefix(end);
-      while (rest.starts_with(' ')) rest.remove_prefix(1);
-    } while (!rest.empty());
-  }
+  void comment(const std::string& text) { bytes_.write(options_.xml ? xml_comment(text) : kvn_comment(text)); }
 
   void kvn_row(std::string& out, DateText& dates, Seconds time, const std::array<double, 8>& numbers) const {
     dates.append(out, time);

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/write/acm.hpp"
 #include "polhode/write/aem.hpp"
 #include "polhode/write/fits.hpp"
 #include "polhode/write/text_table.hpp"
@@ -45,6 +48,11 @@ void write_message(const std::string& path, std::span<const Ephemeris> segments,
   write_aem(path, segments, aem, progress);
 }
 
+void write_comprehensive_message(const std::string& path, std::span<const Ephemeris> segments, const WriteOptions&,
+                                 const Progress& progress) {
+  write_acm(path, segments.front(), progress);
+}
+
 constexpr std::string_view great_circle = "great circle from row to row";
 constexpr std::string_view lagrange = "LAGRANGE of degree 7 of the quaternion, made unit";
 
@@ -54,20 +62,22 @@ const std::vector<EphemerisFormat>& ephemeris_formats() {
   constexpr RowInterpolation circle = RowInterpolation::great_circle, degree_7 = RowInterpolation::lagrange_degree_7;
   using Kind = TextTableKind;
   static const std::vector<EphemerisFormat> all{
-      {"FITS", {".fits", ".fit"}, circle, great_circle, false, true, false, write_binary_table<false>},
+      {"FITS", {".fits", ".fit"}, circle, great_circle, false, true, true, false, write_binary_table<false>},
       {"FITS packed by gzip",
        {".fits.gz", ".fit.gz"},
        circle,
        great_circle,
        false,
        true,
+       true,
        false,
        write_binary_table<true>},
-      {"CCSDS AEM", {".aem", ".txt"}, degree_7, lagrange, true, false, true, write_message<false>},
-      {"CCSDS AEM in XML", {".xml"}, degree_7, lagrange, true, false, true, write_message<true>},
-      {"CSV", {".csv"}, circle, great_circle, false, true, false, write_text<Kind::csv>},
-      {"ECSV", {".ecsv"}, circle, great_circle, false, true, false, write_text<Kind::ecsv>},
-      {"JSON lines", {".jsonl"}, circle, great_circle, false, true, false, write_text<Kind::json_lines>},
+      {"CCSDS AEM", {".aem", ".txt"}, degree_7, lagrange, true, false, false, true, write_message<false>},
+      {"CCSDS AEM in XML", {".xml"}, degree_7, lagrange, true, false, false, true, write_message<true>},
+      {"CCSDS ACM", {".acm"}, degree_7, lagrange, false, false, true, false, write_comprehensive_message},
+      {"CSV", {".csv"}, circle, great_circle, false, true, true, false, write_text<Kind::csv>},
+      {"ECSV", {".ecsv"}, circle, great_circle, false, true, true, false, write_text<Kind::ecsv>},
+      {"JSON lines", {".jsonl"}, circle, great_circle, false, true, true, false, write_text<Kind::json_lines>},
   };
   return all;
 }
@@ -104,6 +114,11 @@ void write_ephemeris(const std::string& path, const EphemerisFormat& format, std
   if (segments.size() > 1 && !format.has_segments) {
     throw InputError(fmt::format("there are {} segments, which only these hold: {}", segments.size(),
                                  endings_of_formats(&EphemerisFormat::has_segments)));
+  }
+  const auto uncertain = [](const Ephemeris& ephemeris) { return ephemeris.has_covariance(); };
+  if (!format.has_covariance && std::any_of(segments.begin(), segments.end(), uncertain)) {
+    throw InputError(fmt::format("the covariance is for {}: {} holds none",
+                                 endings_of_formats(&EphemerisFormat::has_covariance), format.name));
   }
   if (segments.empty()) throw InputError("there is no ephemeris to write");
   if (options.momentum && !segments.front().inertia()) throw InputError("the momentum needs an inertia");

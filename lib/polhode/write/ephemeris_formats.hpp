@@ -26,9 +26,10 @@ struct EphemerisFormat {
   std::vector<std::string_view> endings;
   RowInterpolation interpolation;  ///< what the format's readers do between rows
   std::string_view interpolation_text;
-  bool has_segments;  ///< it can hold more than one ephemeris
-  bool has_momentum;  ///< the option `momentum` means something
-  bool is_message;    ///< of CCSDS: the options of messages mean something
+  bool has_segments;    ///< it can hold more than one ephemeris
+  bool has_momentum;    ///< the option `momentum` means something
+  bool has_covariance;  ///< it can hold the covariance of an ephemeris that has one
+  bool is_message;      ///< of CCSDS: the options of messages mean something
   void (*write)(const std::string& path, std::span<const Ephemeris> segments, const WriteOptions& options,
                 const Progress& progress);
 };

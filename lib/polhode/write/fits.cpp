@@ -68,6 +68,11 @@ void write_keywords(FitsFile& fits, const Ephemeris& ephemeris, TimeResolution r
   }
   if (!description.source.empty()) fits.comment("Source of the body: " + description.source);
   for (const std::string& caution : description.cautions) fits.comment("Caution: " + caution + ".");
+  if (ephemeris.has_covariance()) {
+    fits.comment(
+        "COV is the covariance of a small turn of the body about the axes of frame B: xx, xy, xz, yy, yz, zz. SIGMA is "
+        "the root of its largest eigenvalue: one sigma of the attitude.");
+  }
   fits.comment(
       "QPARAM is passive: a body turned by +90 deg about z of frame A has QPARAM (0, 0, 0.7071, 0.7071) and its x axis "
       "along y of frame A. Its sign is continuous from row to row. OMEGA has components in frame B.");
@@ -89,7 +94,9 @@ void refuse_misread_scale(TimeScale scale) {
 /// All of an ephemeris as a new file.
 void write_table(FitsFile& fits, const Ephemeris& ephemeris, const FitsOptions& options,
                  const std::function<void(std::size_t rows)>& progress) {
-  const std::size_t doubles_per_row = 8 + (options.momentum ? 3 : 0) + (options.time_low ? 1 : 0);
+  const bool covariance = ephemeris.has_covariance();
+  const std::size_t doubles_per_row =
+      8 + (options.momentum ? 3 : 0) + (covariance ? 7 : 0) + (options.time_low ? 1 : 0);
   const std::size_t row_bytes = doubles_per_row * sizeof(double);
   int status = 0;
   fits_create_img(fits.handle(), BYTE_IMG, 0, nullptr, &status);
@@ -103,6 +110,11 @@ void write_table(FitsFile& fits, const Ephemeris& ephemeris, const FitsOptions& 
     names.push_back("L");
     forms.push_back("3D");
     units.push_back(ephemeris.inertia()->absolute ? "N m s" : "");
+  }
+  if (covariance) {
+    names.insert(names.end(), {"SIGMA", "COV"});
+    forms.insert(forms.end(), {"1D", "6D"});
+    units.insert(units.end(), {"rad", "rad2"});
   }
   if (options.time_low) {
     names.push_back("TIME_LO");
@@ -133,6 +145,10 @@ void write_table(FitsFile& fits, const Ephemeris& ephemeris, const FitsOptions& 
       for (int k = 0; k < 3; ++k) packer.put(omega[k]);
       if (options.momentum) {
         for (std::size_t k = 0; k < 3; ++k) packer.put(block.momentum_named[3 * i + k]);
+      }
+      if (covariance) {
+        packer.put(block.sigma_rad[i]);
+        for (std::size_t k = 0; k < 6; ++k) packer.put(block.covariance_rad2[6 * i + k]);
       }
       if (options.time_low) packer.put(block.time[i].low);
     }

@@ -52,6 +52,11 @@ std::string ecsv_header(const Ephemeris& ephemeris, const std::vector<Column>& c
   meta("frame_b",
        double_quoted(description.body_axes.empty() ? "the axes that the body's file names" : description.body_axes));
   meta("quaternion", double_quoted("scalar last, takes components from frame a to frame b, passive"));
+  if (ephemeris.has_covariance()) {
+    meta("covariance",
+         double_quoted("cov: of a small turn of the body about the axes of frame b; sigma: the root of its "
+                       "largest eigenvalue"));
+  }
   meta("method", double_quoted(description.method));
   if (description.promised_error_rad) meta("promised_error_rad", fmt::format("{}", *description.promised_error_rad));
   if (!description.error_meaning.empty()) meta("error_meaning", double_quoted(description.error_meaning));
@@ -92,6 +97,12 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
       columns.push_back({fmt::format("momentum_body_{}{}", axis, absolute ? "_N_m_s" : ""), absolute ? "N m s" : ""});
     }
   }
+  if (ephemeris.has_covariance()) {
+    columns.push_back({"sigma_rad", "rad"});
+    for (const char* element : {"xx", "xy", "xz", "yy", "yz", "zz"}) {
+      columns.push_back({fmt::format("cov_{}_rad2", element), "rad2"});
+    }
+  }
   const int decimals = times.decimals();
   const bool json = options.kind == TextTableKind::json_lines;
   OutputBytes bytes(path);
@@ -125,6 +136,10 @@ void write_text_table(const std::string& path, const Ephemeris& ephemeris, const
       for (std::size_t k = 0; k < 3; ++k) put(block.omega_named_rad_s[3 * row + k]);
       if (options.momentum) {
         for (std::size_t k = 0; k < 3; ++k) put(block.momentum_named[3 * row + k]);
+      }
+      if (ephemeris.has_covariance()) {
+        put(block.sigma_rad[row]);
+        for (std::size_t k = 0; k < 6; ++k) put(block.covariance_rad2[6 * row + k]);
       }
       out.bytes.append(end);
     }
