@@ -93,11 +93,13 @@ template <class Real>
   Real sum = q4 + q16;
   sum = N::with_small(sum + sum + 1.0, 2.0 * (N::high(q16) * N::high(q16)) * N::high(q4));
   const Real above = N::with_small(q8 + 1.0, q24 * (1.0 + q24)) * q0;
-  const Lanes cube = N::high(q2) * q0;
-  const Lanes slope = 1.0 + 9.0 * h8 - 8.0 * N::high(epsilon) * cube;
+  const Lanes h4 = N::high(q4), cube = N::high(q2) * q0;
+  const Lanes sum_slope = 8.0 * cube * (1.0 + 4.0 * h8 * h4);
+  const Lanes slope = 1.0 + h8 * (9.0 + 25.0 * N::high(q16)) - N::high(epsilon) * sum_slope;
   const Lanes step = -N::high(above - epsilon * sum) / slope;
-  return {N::sum(q0, step), N::with_small(sum, 8.0 * cube * step)};
+  return {N::sum(q0, step), N::with_small(sum, sum_slope * step)};
 }
+
 template <class Real>
 [[gnu::always_inline]] inline Nome<Real> nome_of(Real epsilon) {
   const Lanes e = LaneNumbers<Real>::high(epsilon);
@@ -128,7 +130,8 @@ template <class Real>
   const Lanes b[4] = {1.0 - h4 * (3.0 - h8 * (5.0 - 7.0 * h12)), -h3 * (1.0 - h8 * (5.0 - 14.0 * h12)),
                       h10 * (1.0 - 7.0 * h12), -h21};
   Lanes u = t * (1.0 - 2.0 * h2 - h * (t * t) * (1.0 - 2.0 * h2) * (1.0 - 1.8 * h * (t * t)));
-  for (int step = 0; step < 3; ++step) {
+  constexpr int steps = N::kTwoParts ? 4 : 3;  // and one below; that to 32 digits begins at 16
+  for (int step = 0; step < steps; ++step) {
     const Lanes uu = u * u;
     const Lanes at = ((a[3] * uu + a[2]) * uu + a[1]) * uu + a[0], bt = ((b[3] * uu + b[2]) * uu + b[1]) * uu + b[0];
     const Lanes a_slope = (3.0 * a[3] * uu + 2.0 * a[2]) * uu + a[1], b_slope = (2.0 * b[2]) * uu + b[1];
