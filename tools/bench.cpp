@@ -18,6 +18,7 @@
 #include "output.hpp"
 #include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
+#include "polhode/motion/free_bodies.hpp"
 #include "polhode/motion/partials.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/motion/torqued_motion.hpp"
@@ -152,6 +153,44 @@ std::string bench_partials(const FreeBody& body, const Array& times, std::size_t
       construct.median(), single.median(), batch.median(), copy.median());
 }
 
+/// Many bodies, neighbours of the case's: each built and answered at the last of its times. The short form is measured
+/// over the longest span for which it keeps 1e-9 rad for each of them.
+std::string bench_bodies(const FreeBody& body, const std::vector<double>& times, std::size_t count, double& checksum) {
+  Array moments(3 * count), q(4 * count), momentum(3 * count), q_out(4 * count), m_out(3 * count);
+  std::mt19937_64 random(20200602);
+  const auto nearby = [&random] { return 1.0 + 1e-3 * std::ldexp(static_cast<double>(random() >> 11), -53); };
+  for (std::size_t i = 0; i < count; ++i) {
+    Vector3 varied = body.principal_moments;
+    if (varied[0] < varied[1]) varied[0] /= nearby();
+    if (varied[1] < varied[2]) varied[2] *= nearby();
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto row = static_cast<Eigen::Index>(k);
+      moments[3 * i + k] = varied[row];
+      momentum[3 * i + k] = body.momentum_body[row] * nearby();
+    }
+    for (std::size_t k = 0; k < 4; ++k)
+      q[4 * i + k] = scalar_first(body.q_inertial_from_body)[static_cast<Eigen::Index>(k)];
+  }
+  const BodyArrays bodies = BodyArrays::of_structures(moments.data(), q.data(), momentum.data(), count);
+  const std::vector<double> last{times.back()};
+  const StateArrays out = StateArrays::of_structures(q_out.data(), m_out.data());
+  constexpr double kept_rad = 1e-9;
+  // Of the sum of the rates 2 rho + nu, which short_form_error_rad() asks for, three turns a rotation are a bound.
+  const double rate_rad_s = body.momentum_body.norm() / body.principal_moments[0] * (1.0 + 3e-3);
+  const BodiesOptions brief{kept_rad / 0x1p-52 / 17.0 / (3.0 * rate_rad_s), kept_rad, 1};
+  Quantity any_span, short_span, threads;
+  for (int round = 0; round < kRounds; ++round) {
+    any_span.measure(count, [&] { free_body_states(bodies, {last}, out, {}); });
+    short_span.measure(count, [&] { free_body_states(bodies, {last}, out, {}, brief); });
+    threads.measure(count, [&] { free_body_states(bodies, {last}, out, {}, {.thread_count = 0}); });
+  }
+  checksum += std::accumulate(q_out.begin(), q_out.end(), 0.0) + std::accumulate(m_out.begin(), m_out.end(), 0.0);
+  const FreeBodies kept(bodies, brief);
+  return fmt::format(
+      "bodies_ns={:.1f}\nbodies_short_ns={:.1f}\nbodies_threads_ns={:.1f}\nbodies_alone={}\nbodies_short={}\n",
+      any_span.median(), short_span.median(), threads.median(), kept.built_alone(), kept.short_forms());
+}
+
 void bench(const BenchOptions& options) {
   const Method& chosen = in_option(
       "--method", [&]() -> auto& { return rivals::measured_method(options.method); });
@@ -205,8 +244,11 @@ void bench(const BenchOptions& options) {
   }
   checksum += std::accumulate(q.begin(), q.end(), 0.0) + std::accumulate(m.begin(), m.end(), 0.0) +
               std::accumulate(copied.begin(), copied.end(), 0.0);
-  const std::string partials =
-      options.method == "auto" ? bench_partials(wanted.body, times, builds, checksum) : std::string();
+  std::string partials;
+  if (options.method == "auto") {
+    partials = bench_partials(wanted.body, times, builds, checksum);
+    partials += bench_bodies(wanted.body, wanted.times_s, count, checksum);
+  }
 
   write_standard_output(fmt::format(
       "method={}\ncount={}\nconstruct_ns={:.1f}\nconstruct_short_ns={:.1f}\nsingle_ns={:.2f}\nbatch_ns={:.2f}\n"

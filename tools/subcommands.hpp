@@ -22,7 +22,9 @@ void add_convert_time(CLI::App& app);
 void add_convert_frame(CLI::App& app);
 void add_methods(CLI::App& app);
 void add_plan(CLI::App& app);
+void add_population(CLI::App& app);
 void add_propagate(CLI::App& app);
+void add_sample(CLI::App& app);
 void add_python(CLI::App& app);  // plot, spice
 
 }  // namespace polhode::tools

@@ -127,18 +127,24 @@ void write_watched(const OutputOptions& options, const EphemerisFormat& format, 
   }
   std::size_t rows = 0;
   for (const Ephemeris& segment : segments) rows += segment.times().size();
-  {
-    const bool terminal = ::isatty(STDERR_FILENO) != 0;
-    const StoppedNote note(
-        fmt::format("{}polhode: stopped; {} is not written\n", terminal ? "\r\033[K" : "", options.path));
-    ProgressLine line(rows);
+  write_watched(options.path, rows, [&](const Progress& progress) {
     try {
-      write_ephemeris(path_of(options), format, segments, options, [&line](std::size_t done) { line(done); });
+      write_ephemeris(path_of(options), format, segments, options, progress);
     } catch (const TimeScaleError& error) {
       throw InputError({"--scale", 0}, error.what());
     }
+  });
+}
+
+void write_watched(const std::string& path, std::size_t rows, const std::function<void(const Progress&)>& write,
+                   const char* rows_are) {
+  {
+    const bool terminal = ::isatty(STDERR_FILENO) != 0;
+    const StoppedNote note(fmt::format("{}polhode: stopped; {} is not written\n", terminal ? "\r\033[K" : "", path));
+    ProgressLine line(rows);
+    write([&line](std::size_t done) { line(done); });
   }
-  say(fmt::format("{}: {} rows", options.path == "-" ? "standard output" : options.path, rows));
+  say(fmt::format("{}: {} {}", path == "-" ? "standard output" : path, rows, rows_are));
 }
 
 }  // namespace polhode::tools

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 
@@ -23,7 +24,12 @@ void refuse_meaningless(const OutputOptions& options, const EphemerisFormat& for
 /// Throws InputError where the output is a file that the work reads.
 void refuse_overwriting(const OutputOptions& options, std::span<const std::string> inputs);
 
-/// Writes all, and says so; a signal that comes meanwhile removes what was begun and then ends the program.
+/// Writes all, watched as below.
 void write_watched(const OutputOptions& options, const EphemerisFormat& format, std::span<const Ephemeris> segments);
+
+/// Calls `write` for the file of that name, shows how far it is, and says how many rows it has; a signal that comes
+/// meanwhile removes what was begun and then ends the program.
+void write_watched(const std::string& path, std::size_t rows, const std::function<void(const Progress&)>& write,
+                   const char* rows_are = "rows");
 
 }  // namespace polhode::tools

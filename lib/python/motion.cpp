@@ -27,7 +27,8 @@ std::shared_ptr<MotionObject> free_motions(const Given<Numbers>& moments, const 
   self->shape = broadcast(broadcast(of_moments, of_q, "moments and q"), of_momentum, "bodies and momenta");
   const std::size_t count = count_of(self->shape), axes = self->shape.size();
   self->bodies.resize(count);
-  self->motions.resize(count);
+  const bool side_by_side = axes != 0 && self->method == &method("auto");
+  if (!side_by_side) self->motions.resize(count);
   const auto moments_stride = strides_in(self->shape, of_moments), q_stride = strides_in(self->shape, of_q),
              m_stride = strides_in(self->shape, of_momentum);
   const nb::gil_scoped_release others_go_on;
@@ -46,9 +47,11 @@ std::shared_ptr<MotionObject> free_motions(const Given<Numbers>& moments, const 
       one.principal_moments = Vector3(moments->data + 3 * i);
       one.q_inertial_from_body = from_scalar_first(Eigen::Map<const Eigen::Vector4d>(q->data + 4 * j));
       one.momentum_body = Vector3(momentum->data + 3 * k);
-      self->motions[body] = self->method->make(one);
+      if (!side_by_side) self->motions[body] = self->method->make(one);
     }
   });
+  if (side_by_side)
+    self->side_by_side.emplace(BodyArrays::of_bodies(self->bodies), BodiesOptions{.thread_count = threads});
   return self;
 }
 

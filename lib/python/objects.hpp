@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "polhode/motion/free_bodies.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/motion.hpp"
 #include "polhode/read/input_formats.hpp"
@@ -39,7 +40,8 @@ struct SceneObject {
 struct MotionObject : std::enable_shared_from_this<MotionObject> {
   Shape shape;  ///< of the array; empty: one body
   std::vector<FreeBody> bodies;
-  std::vector<std::shared_ptr<const Motion>> motions;  ///< one per body
+  std::vector<std::shared_ptr<const Motion>> motions;  ///< one per body, unless `side_by_side`
+  std::optional<const FreeBodies> side_by_side;        ///< of an array of free bodies
   const Method* method = nullptr;                      ///< of a free motion
   std::optional<MotionAccount> account;                ///< of one under torques
   std::shared_ptr<const BodyInMotion> moving;          ///< null: of bodies without epoch and frame

@@ -146,6 +146,54 @@ void named_states(const MotionObject& self, const TimeArrays& times, const State
   });
 }
 
+/// Bodies side by side against times, both broadcast to `whole`: of eight bodies each answers at the same index along
+/// the axes along which the bodies do not change.
+void broadcast_side_by_side(const MotionObject& self, const Elapsed& times, const Shape& whole, const StateArrays& out,
+                            unsigned threads) {
+  const std::size_t axes = whole.size();
+  const std::vector<std::ptrdiff_t> body_stride = strides_in(whole, self.shape);
+  const std::vector<std::ptrdiff_t> time_stride =
+      times.scalar ? std::vector<std::ptrdiff_t>(axes, 0) : strides_in(whole, times.high.shape);
+  const std::vector<std::ptrdiff_t> row_stride = strides_in(whole, whole);
+  std::vector<std::size_t> of_body, free;
+  std::size_t rows_of_body = 1;
+  for (std::size_t i = 0; i < axes; ++i) {
+    (body_stride[i] != 0 ? of_body : free).push_back(i);
+    if (body_stride[i] == 0) rows_of_body *= whole[i];
+  }
+  const auto place = [&](const std::vector<std::size_t>& along, std::size_t number) {  // row and time
+    std::ptrdiff_t row = 0, time = 0;
+    for (std::size_t k = along.size(); k-- > 0;) {
+      const auto index = static_cast<std::ptrdiff_t>(number % whole[along[k]]);
+      number /= whole[along[k]];
+      row += index * row_stride[along[k]];
+      time += index * time_stride[along[k]];
+    }
+    return std::pair(row, time);
+  };
+  constexpr std::size_t in_block = FreeBodies::kBlock;
+  parallel_chunks(self.side_by_side->blocks(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t block = begin; block < end; ++block) {
+      std::pair<std::ptrdiff_t, std::ptrdiff_t> of_lane[in_block];
+      for (std::size_t lane = 0; lane < in_block; ++lane) {
+        of_lane[lane] = place(of_body, std::min(block * in_block + lane, self.bodies.size() - 1));
+      }
+      for (std::size_t i = 0; i < rows_of_body; ++i) {
+        const auto [row, time] = place(free, i);
+        theta::BlockTimes at{};
+        FreeBodies::BlockRows rows;
+        for (std::size_t lane = 0; lane < in_block; ++lane) {
+          rows[lane] = row + of_lane[lane].first;
+          const std::ptrdiff_t t = time + of_lane[lane].second;
+          at.high[lane] = times.scalar ? times.high_s : times.high.data[t];
+          at.low[lane] = times.scalar ? times.low_s : times.low.empty() ? 0.0 : times.low[static_cast<std::size_t>(t)];
+        }
+        self.side_by_side->block(block, at, out, rows);
+      }
+    }
+  });
+}
+
 /// Bodies against times, both broadcast to `whole`: each body answers its times in runs.
 void broadcast_states(const MotionObject& self, const Elapsed& times, const Shape& whole, const StateArrays& out,
                       unsigned threads) {
@@ -300,7 +348,7 @@ StateObject states_at(const std::shared_ptr<const MotionObject>& self, const nb:
     }
   } else {
     const nb::gil_scoped_release others_go_on;
-    broadcast_states(*self, times, whole, output.arrays, threads);
+    (self->side_by_side ? broadcast_side_by_side : broadcast_states)(*self, times, whole, output.arrays, threads);
   }
   state.q = std::move(output.q);
   state.m = std::move(output.m);

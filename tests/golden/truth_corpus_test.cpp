@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "polhode/motion/free_bodies.hpp"
 #include "polhode/motion/theta.hpp"
 #include "rivals/registry.hpp"
 #include "support/truth.hpp"
@@ -118,6 +119,40 @@ TEST(TruthCorpus, WhatIsExactEverywhereIsLimitedByTheInputsOnly) {
     }
   }
   EXPECT_GE(scored, 2);
+}
+
+/// The bodies side by side, each beside copies of another that needs all terms of its series.
+TEST(TruthCorpus, ManyBodiesAreAsExactAsOne) {
+  const theta::Target* targets[3];
+  const std::size_t count = theta::targets(targets);
+  std::size_t alone = 0, bodies = 0;
+  for (std::size_t target = 0; target < count; ++target) {
+    const std::string name = std::string(targets[target]->name) + " bodies";
+    const auto by_regime = score(name, [&](const FreeBody& body, const std::vector<double>& times) {
+      const Eigen::Vector4d q = scalar_first(body.q_inertial_from_body);
+      const double moments[2][3] = {{body.principal_moments[0], body.principal_moments[1], body.principal_moments[2]},
+                                    {1.0, 2.0, 2.9}};
+      const double qs[2][4] = {{q[0], q[1], q[2], q[3]}, {1.0, 0.0, 0.0, 0.0}};
+      const double momenta[2][3] = {{body.momentum_body[0], body.momentum_body[1], body.momentum_body[2]},
+                                    {1.0, 2.0, 1.2}};
+      const FreeBodies both(BodyArrays::of_structures(moments[0], qs[0], momenta[0], 2), {}, *targets[target]);
+      alone += both.built_alone();
+      ++bodies;
+      std::vector<State> states;
+      for (const double t : times) states.push_back(both.at(0, t));
+      return states;
+    });
+    EXPECT_EQ(by_regime.at("ALL").rows, 1636);
+    for (const auto& [regime, s] : by_regime) {
+      EXPECT_EQ(s.failed, 0) << name << ' ' << regime << ' ' << s.worst_row;
+      EXPECT_LE(s.worst_attitude, 4.0) << name << ' ' << regime << ' ' << s.worst_row;  // measured 0.6
+      EXPECT_LE(s.worst_momentum, 4.0) << name << ' ' << regime << ' ' << s.worst_row;
+      EXPECT_LE(s.worst_attitude_eps, 4.0) << name << ' ' << regime << ' ' << s.worst_row;
+      EXPECT_LE(s.worst_momentum_eps, 3.0) << name << ' ' << regime;
+      EXPECT_LE(s.worst_norm_eps, 2.0) << name << ' ' << regime;
+    }
+  }
+  EXPECT_LT(alone, bodies * 3 / 4);  // or else this scores what the next test does
 }
 
 /// Every instruction set, by single calls and by batches: the figures that the README states.

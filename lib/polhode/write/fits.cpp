@@ -3,15 +3,10 @@
 #include <fitsio.h>
 #include <fmt/format.h>
 #include <sys/stat.h>
-#include <zlib.h>
 
 #include <algorithm>
-#include <bit>
 #include <cerrno>
 #include <cstdint>
-#include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string_view>
 #include <utility>
@@ -19,160 +14,13 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/write/document.hpp"
+#include "polhode/write/fits_file.hpp"
 #include "polhode/write/output_file.hpp"
 
 namespace polhode {
 namespace {
 
-/// Ones' complement sum of 32-bit words: the carry comes back in at the low end (FITS 4.0 appendix J).
-std::uint64_t fold(std::uint64_t sum) {
-  while ((sum >> 32) != 0) sum = (sum & 0xffffffffU) + (sum >> 32);
-  return sum;
-}
-
-/// A new FITS file, open. Every call's status passes through check().
-class Fits {
- public:
-  /// `path` is for messages.
-  Fits(const std::string& file, std::string path) : path_(std::move(path)) {
-    if (file.size() >= FLEN_FILENAME) {
-      throw FileError(fmt::format("cannot write {}: cfitsio takes paths of less than {} bytes", path_, FLEN_FILENAME));
-    }
-    errno = 0;
-    int status = 0;
-    fits_create_diskfile(&file_, file.c_str(), &status);
-    check(status);
-  }
-  Fits(const Fits&) = delete;
-  Fits& operator=(const Fits&) = delete;
-  ~Fits() {
-    if (file_ == nullptr) return;
-    int status = 0;
-    fits_close_file(file_, &status);
-    fits_clear_errmsg();
-  }
-
-  fitsfile* handle() { return file_; }
-
-  /// Throws FileError if `status` is a cfitsio error, with the system's reason where there is one.
-  void check(int status) const {
-    if (status == 0) return;
-    const int system_error = errno;
-    char text[FLEN_STATUS] = {};
-    fits_get_errstatus(status, text);
-    char message[FLEN_ERRMSG] = {};
-    fits_read_errmsg(message);
-    fits_clear_errmsg();
-    const std::string reason = system_error != 0 ? fmt::format("{} ({})", std::strerror(system_error), text)
-                               : message[0] != 0 ? fmt::format("{}: {}", text, message)
-                                                 : std::string(text);
-    throw FileError(fmt::format("cannot write {}: {}", path_, reason));
-  }
-
-  void close() {
-    int status = 0;
-    errno = 0;
-    fits_close_file(file_, &status);
-    file_ = nullptr;
-    check(status);
-  }
-
-  /// A text of any length, with CONTINUE cards where one is too short (FITS 4.0, 4.2.1.2). Not by
-  /// fits_write_key_longstr, which finds no end where there are many quotes.
-  void key(const char* name, const std::string& text, const char* comment) {
-    std::vector<std::string> parts(1);  // with quotes doubled, which stay together
-    constexpr std::size_t longest = 68;
-    const std::string value = ascii_text(text);
-    for (const char c : value) {
-      const std::string_view put = c == '\'' ? "''" : std::string_view(&c, 1);
-      if (parts.back().size() + put.size() >= longest) parts.emplace_back();  // leaves room for &
-      parts.back() += put;
-    }
-    int status = 0;
-    if (parts.size() == 1) fits_write_key_str(file_, name, value.c_str(), comment, &status);
-    for (std::size_t i = 0; parts.size() > 1 && i < parts.size(); ++i) {
-      const bool last = i + 1 == parts.size();
-      std::string card = i == 0 ? fmt::format("{:<8}= ", name) : std::string("CONTINUE  ");
-      card += fmt::format("'{}{}'", parts[i], last ? "" : "&");
-      if (last) card += fmt::format(" / {}", comment);
-      fits_write_record(file_, card.substr(0, 80).c_str(), &status);
-    }
-    check(status);
-  }
-  void key(const char* name, double value, const char* comment) {
-    int status = 0;
-    constexpr int shortest_of_17_digits = -17;
-    fits_write_key_dbl(file_, name, value, shortest_of_17_digits, comment, &status);
-    check(status);
-  }
-  /// LONGSTRN, by which readers know that texts may go on in CONTINUE cards.
-  void announce_long_texts() {
-    int status = 0;
-    fits_write_key_longwarn(file_, &status);
-    check(status);
-  }
-  void flag(const char* name, bool value, const char* comment) {
-    int status = 0;
-    fits_write_key_log(file_, name, value ? 1 : 0, comment, &status);
-    check(status);
-  }
-
-  /// DATASUM and CHECKSUM of the current HDU. cfitsio's own would read the data again, and note the time of day, so
-  /// that no two files were the same.
-  void checksums(std::uint64_t data_sum) {
-    key("CHECKSUM", "0000000000000000", "HDU checksum");
-    key("DATASUM", fmt::format("{}", data_sum), "data unit checksum");
-    int status = 0;
-    char* cards = nullptr;
-    int count = 0;
-    fits_hdr2str(file_, 0, nullptr, 0, &cards, &count, &status);
-    check(status);
-    constexpr std::size_t block = 2880;
-    std::string header(cards);
-    fits_free_memory(cards, &status);
-    header.resize((header.size() + block - 1) / block * block, ' ');
-    std::uint64_t sum = data_sum;
-    for (std::size_t at = 0; at < header.size(); at += 4) {
-      for (std::size_t k = 0; k < 4; ++k)
-        sum += std::uint64_t{static_cast<unsigned char>(header[at + k])} << (24 - 8 * k);
-    }
-    char text[17] = {};
-    fits_encode_chksum(fold(sum), 1, text);  // 1: its complement, so that the whole HDU sums to minus zero
-    fits_modify_key_str(file_, "CHECKSUM", text, "&", &status);
-    check(status);
-  }
-
-  void comment(const std::string& text) {
-    int status = 0;
-    fits_write_comment(file_, ascii_text(text).c_str(), &status);
-    check(status);
-  }
-
- private:
-  std::string path_;
-  fitsfile* file_ = nullptr;
-};
-
-/// Puts numbers in file order one after the other, and sums their 32-bit words.
-class Packer {
- public:
-  explicit Packer(char* to) : at_(to) {}
-  void put(double value) {
-    const auto bits = std::bit_cast<std::uint64_t>(value);
-    sum_ += (bits >> 32) + (bits & 0xffffffffU);
-    static_assert(std::endian::native == std::endian::little, "FITS is big-endian: bytes are swapped");
-    const std::uint64_t swapped = __builtin_bswap64(bits);
-    std::memcpy(at_, &swapped, sizeof swapped);
-    at_ += sizeof swapped;
-  }
-  std::uint64_t sum() const { return sum_; }
-
- private:
-  char* at_;
-  std::uint64_t sum_ = 0;
-};
-
-void write_keywords(Fits& fits, const Ephemeris& ephemeris, TimeResolution resolution) {
+void write_keywords(FitsFile& fits, const Ephemeris& ephemeris, TimeResolution resolution) {
   const EphemerisDescription& description = ephemeris.description();
   const TimeGrid& times = ephemeris.times();
   const Seconds first = times.time(0, resolution);
@@ -244,7 +92,7 @@ void refuse_misread_scale(TimeScale scale) {
 }
 
 /// All of an ephemeris as a new file.
-void write_table(Fits& fits, const Ephemeris& ephemeris, const FitsOptions& options,
+void write_table(FitsFile& fits, const Ephemeris& ephemeris, const FitsOptions& options,
                  const std::function<void(std::size_t rows)>& progress) {
   const bool covariance = ephemeris.has_covariance();
   const std::size_t doubles_per_row =
@@ -288,7 +136,7 @@ void write_table(Fits& fits, const Ephemeris& ephemeris, const FitsOptions& opti
 
   const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
     out.bytes.resize(block.rows * row_bytes);
-    Packer packer(out.bytes.data());
+    FitsPacker packer(out.bytes.data());
     const double* q = block.q_frame_from_named.data();
     const double* omega = block.omega_named_rad_s.data();
     for (std::size_t i = 0; i < block.rows; ++i, q += 4, omega += 3) {
@@ -313,7 +161,7 @@ void write_table(Fits& fits, const Ephemeris& ephemeris, const FitsOptions& opti
     auto* bytes = reinterpret_cast<unsigned char*>(block.bytes.data());
     fits_write_tblbytes(fits.handle(), written + 1, 1, static_cast<LONGLONG>(block.bytes.size()), bytes, &status);
     fits.check(status);
-    data_sum = fold(data_sum + fold(block.word_sum));
+    data_sum = fits_sum(data_sum + fits_sum(block.word_sum));
     written += static_cast<LONGLONG>(block.rows);
     if (progress) progress(static_cast<std::size_t>(written));
   };
@@ -327,41 +175,6 @@ void write_table(Fits& fits, const Ephemeris& ephemeris, const FitsOptions& opti
   fits.close();
 }
 
-/// The bytes of a file into an output, packed by gzip if asked for; `progress` gets the part that is done.
-void pass_on(const std::string& file, bool packed, OutputBytes& out, const std::function<void(double part)>& progress) {
-  struct Stream : z_stream {
-    Stream() : z_stream{} {}
-    Stream(const Stream&) = delete;
-    Stream& operator=(const Stream&) = delete;
-    ~Stream() { deflateEnd(this); }
-  } stream;
-  constexpr int gzip = 16 + MAX_WBITS;
-  constexpr int usual_memory = 8;
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, gzip, usual_memory, Z_DEFAULT_STRATEGY) != Z_OK) {
-    throw FileError("cannot pack: no memory");
-  }
-  std::ifstream in(file, std::ios::binary);
-  const auto size = static_cast<double>(std::filesystem::file_size(file));
-  std::vector<char> plain(1U << 18U), bytes(1U << 18U);
-  double done = 0.0;
-  do {
-    in.read(plain.data(), static_cast<std::streamsize>(plain.size()));
-    const auto count = static_cast<std::size_t>(in.gcount());
-    if (!in && !in.eof()) throw FileError("cannot read " + file);
-    if (!packed) out.write({plain.data(), count});
-    stream.next_in = reinterpret_cast<Bytef*>(plain.data());
-    stream.avail_in = static_cast<uInt>(count);
-    do {
-      stream.next_out = reinterpret_cast<Bytef*>(bytes.data());
-      stream.avail_out = static_cast<uInt>(bytes.size());
-      if (packed) deflate(&stream, in.eof() ? Z_FINISH : Z_NO_FLUSH);
-      out.write({bytes.data(), bytes.size() - stream.avail_out});
-    } while (stream.avail_out == 0);
-    done += static_cast<double>(count);
-    progress(done / size);
-  } while (!in.eof());
-}
-
 }  // namespace
 
 void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsOptions& options,
@@ -370,7 +183,7 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   refuse_misread_scale(ephemeris.times().scale());
   if (!options.packed && !is_passed_through(path)) {
     OutputFile output(path);
-    Fits fits(output.temporary_path(), path);
+    FitsFile fits(output.temporary_path(), path);
     output.keep_mode();
     write_table(fits, ephemeris, options, progress);
     output.commit();
@@ -380,12 +193,12 @@ void write_fits(const std::string& path, const Ephemeris& ephemeris, const FitsO
   OutputBytes output(path);
   const HiddenFile plain(output.scratch_folder());
   {
-    Fits fits(plain.path(), path);
+    FitsFile fits(plain.path(), path);
     ::chmod(plain.path().c_str(), S_IRUSR | S_IWUSR);  // of nobody's business
     write_table(fits, ephemeris, options, {});
   }
   const auto rows = static_cast<double>(ephemeris.times().size());
-  pass_on(plain.path(), options.packed, output, [&](double part) {
+  pass_on_file(plain.path(), options.packed, output, [&](double part) {
     if (progress) progress(static_cast<std::size_t>(part * rows));
   });
   output.commit();

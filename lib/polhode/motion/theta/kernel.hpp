@@ -77,11 +77,13 @@ inline constexpr double kSafeQuarters = 0x1p44;  // up to here t times the low p
 /// rate t + offset + whole in quarter turns, |offset| <= 1/2 in the most accurate case, whole an integer. The product
 /// is rounded once, after its whole quarters have gone; beyond kSafeQuarters whole quarters are taken out of each part.
 template <class V>
-[[gnu::always_inline]] inline Angle<V> angle(const TwoPart& quarters_per_s, V t_high, V t_low, V offset,
-                                             double whole = 0.0) {
-  const V magic = all<V>(kMagic + whole), rate = all<V>(quarters_per_s.high);
+[[gnu::always_inline]] inline Angle<V> angle(V rate, V rate_low, V t_high, V t_low, V offset, V whole) {
+  const V magic = all<V>(kMagic) + whole;
   const V about = multiply_add(t_high, rate, offset);
-  V rest = multiply_add(t_low, rate, t_high * quarters_per_s.low);
+  V rest = multiply_add(t_low, rate, t_high * rate_low);
+  const V near = about + magic;
+  const V fraction = product_minus(t_high, rate, near - magic);
+  Angle<V> result{fraction + (offset + rest), bits(near)};
   if (any_above(magnitude(about), kSafeQuarters)) [[unlikely]] {
     const V product = t_high * rate;
     const V turns = nearest_integer(product * 0.25) * 4.0;
@@ -89,11 +91,18 @@ template <class V>
     rest = rest - nearest_integer(rest * 0.25) * 4.0;
     const V y = ((product - turns) + offset) + rest;
     const V shifted = y + magic;
-    return {y - (shifted - magic), bits(shifted)};
+    const auto far = above(magnitude(about), kSafeQuarters);  // lanes do not depend on their neighbours
+    result.y = choose(far, result.y, y - (shifted - magic));
+    result.quarter = (result.quarter & ~far) | (bits(shifted) & far);
   }
-  const V shifted = about + magic;
-  const V fraction = product_minus(t_high, rate, shifted - magic);
-  return {fraction + (offset + rest), bits(shifted)};
+  return result;
+}
+
+/// The same for one rate.
+template <class V>
+[[gnu::always_inline]] inline Angle<V> angle(const TwoPart& quarters_per_s, V t_high, V t_low, V offset,
+                                             double whole = 0.0) {
+  return angle(all<V>(quarters_per_s.high), all<V>(quarters_per_s.low), t_high, t_low, offset, all<V>(whole));
 }
 
 /// sin and cos of an angle; absolute errors below 0.8 and 1.1 times 2^-53 with fma, 1.3 without (measured).

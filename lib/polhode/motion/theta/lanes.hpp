@@ -178,6 +178,10 @@ inline bool any_above(Lanes a, double limit) {
 #endif
 }
 
+/// All bits set where a is above the limit or NaN.
+inline std::int64_t above(double a, double limit) { return a <= limit ? 0 : -1; }
+inline LaneBits above(Lanes a, double limit) { return ~(a <= limit); }
+
 inline double smaller(double a, double b) { return b < a ? b : a; }
 inline Lanes smaller(Lanes a, Lanes b) {
 #if defined(__AVX512F__)

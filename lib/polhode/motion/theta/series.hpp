@@ -95,6 +95,10 @@ struct BatchArguments {
 };
 
 struct PartialsSolution;
+struct BlockInput;
+struct BodyBlock;
+struct BlockTimes;
+struct BlockStates;
 
 /// As BatchArguments, and where the matrices go, 54 numbers each, one after the other.
 struct PartialsBatchArguments {
@@ -114,6 +118,10 @@ struct Target {
   void (*partials_at)(const Solution&, const PartialsSolution&, double t_high, double t_low, double q_xyzw[4],
                       double m[3], double (&matrix)[54]);
   void (*partials_batch)(const Solution&, const PartialsSolution&, const PartialsBatchArguments&);
+  /// Many bodies. Bit k of the result is set where body k is left to the build of one body.
+  unsigned (*build_block)(const BlockInput&, BodyBlock&);        ///< double-double: any span
+  unsigned (*build_block_short)(const BlockInput&, BodyBlock&);  ///< double: spans by short_form_error() (bodies.hpp)
+  void (*block_at)(const BodyBlock&, const BlockTimes&, BlockStates&);
 };
 
 /// The targets that this machine can run, best last.

@@ -1,6 +1,8 @@
 // Included once by each target_*.cpp, which is compiled for its own instruction set.
 
 #include "polhode/motion/theta/batch.hpp"
+#include "polhode/motion/theta/bodies_build.hpp"
+#include "polhode/motion/theta/bodies_kernel.hpp"
 #include "polhode/motion/theta/build_partials.hpp"
 #include "polhode/motion/theta/partials_batch.hpp"
 #include "polhode/motion/theta/single.hpp"
@@ -43,6 +45,25 @@ void partials_at_one(const Solution& s, const PartialsSolution& p, double t_high
 
 void partials_batch_of(const Solution& s, const PartialsSolution& p, const PartialsBatchArguments& arguments) {
   dispatch(s, p, [&](const auto& at, const auto& partials_at) { partials_batch_with(at, partials_at, arguments); });
+}
+
+unsigned build_block_any_span(const BlockInput& in, BodyBlock& out) { return build_block<LanePairs>(in, out); }
+unsigned build_block_short_span(const BlockInput& in, BodyBlock& out) { return build_block<Lanes>(in, out); }
+void block_states(const BodyBlock& s, const BlockTimes& times, BlockStates& states) { block_at(s, times, states); }
+
+constexpr Target target_named(const char* name) {
+  return {name,
+          kLanes,
+          build_any_span,
+          build_short_span,
+          at_one,
+          batch_of,
+          build_partials_any_span,
+          partials_at_one,
+          partials_batch_of,
+          build_block_any_span,
+          build_block_short_span,
+          block_states};
 }
 
 }  // namespace
