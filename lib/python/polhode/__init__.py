@@ -54,6 +54,7 @@ from ._core import (
 )
 from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
+from .fitting import Fit, fit
 
 __all__ = [
     "Account",
@@ -65,6 +66,7 @@ __all__ = [
     "Ephemeris",
     "Error",
     "FileError",
+    "Fit",
     "FreeMotion",
     "Inertia",
     "InputError",
@@ -87,6 +89,7 @@ __all__ = [
     "energy_at",
     "euler_angles",
     "euler_rates",
+    "fit",
     "frame_rotation",
     "input_formats",
     "leap_seconds",
