@@ -63,12 +63,12 @@ def fit(
         from .nothing import from_nothing
 
         return from_nothing(body, rows, robust=robust, products=products, shape=shape, within=within, most_solutions=most_solutions, max_rate=max_rate, progress=progress, free=free, fixed=fixed)
-    parameters = parameters_of(body)
+    scene = what if isinstance(what, Scene) else None
+    parameters = parameters_of(body, scene.path if scene else "")
     if products and not any(p.name.startswith(("products", "tensor")) for p in parameters.numbers):
         parameters = with_products(parameters)
     photometry = photometry_of(rows, parameters, shape)
     choose(parameters, photometry, free, fixed)
-    scene = what if isinstance(what, Scene) else None
     motions = SceneMotions(parameters, scene) if scene else FreeMotions(parameters, inertial(parameters.frame))
     problem = Problem(parameters, motions, rows, photometry)
     if turns is None:
@@ -86,6 +86,8 @@ def finished(problem, values, course, scene, robust, rank=1):
     if robust:
         values, active = without_outliers(problem, values)
     values = with_estimated_sigmas(problem, values, active)
+    if not course or not course.aliases:
+        values = problem.parameters.anchored(values)
     return Fit(problem, values, active, course, scene, rank)
 
 

@@ -69,7 +69,8 @@ def epoch_partials(motion, at, t):
         turn = np.zeros(3)
         for axis, (a, b) in enumerate(((1, 2), (2, 0), (0, 1))):
             if abs(principal[a, b]) > 1e-12:
-                turn[axis] = -principal[a, b] / (moments[b] - moments[a])
+                gap = moments[b] - moments[a]
+                turn[axis] = -principal[a, b] / np.copysign(max(abs(gap), LEAST_SEPARATION * moments[2] / 2), gap)
         out[:, :, 6 + column] = (
             partials[:, :, 3:6] @ (change @ at.omega) + partials[:, :, 6:] @ np.diag(principal) + by_axes @ (axes @ turn)
         )
@@ -104,6 +105,7 @@ class SceneMotions:
         self.parameters, self.scene, self.frame = parameters, scene, scene.frame
         self.free_motions = FreeMotions(parameters, scene.frame)
         self.accuracy_rad = min(ACCURACY_RAD, scene.accuracy_rad)
+        self.last = (None, None, None)  # numbers and times, and the states there
 
     def motion(self, values, t):
         """Over no more than the times ask for."""
@@ -118,6 +120,15 @@ class SceneMotions:
         return scene.motion()
 
     def states(self, values, t, derivatives=True):
+        known_values, known_t, states = self.last
+        known = states is not None and np.array_equal(values, known_values) and np.array_equal(t, known_t)
+        if known and (states.by_turn is not None or not derivatives):
+            return states
+        states = self._states(values, t, derivatives)
+        self.last = (np.array(values), np.array(t), states)
+        return states
+
+    def _states(self, values, t, derivatives):
         motion = self.motion(values, t)
         state = motion(t)
         if not derivatives:

@@ -82,11 +82,11 @@ class Parameters:
         self._take_known()
 
     @staticmethod
-    def of_body(body, products=False):
+    def of_body(body):
         """Of a body that has no file in TOML: quaternion, rate, moments."""
         if body.missing:
             raise InputError(f"{body.name}: {'; '.join(body.missing)}")
-        return Parameters.of_state(body.name, body.epoch, body.frame, body.q, body.omega, body.inertia.tensor, body.inertia.absolute, products)
+        return Parameters.of_state(body.name, body.epoch, body.frame, body.q, body.omega, body.inertia.tensor, body.inertia.absolute)
 
     @staticmethod
     def of_state(name, epoch, frame, q, omega, tensor, absolute=False, products=False):
@@ -284,6 +284,17 @@ class Parameters:
             tables["state"]["attitude"][Q_KEY] = [float(x) for x in q]
         return tables
 
+    def anchored(self, values):
+        """The values with the small turn counted from where they have the attitude; in place of the attitude before."""
+        turns = [k for k, p in enumerate(self.numbers) if p.place[0] == "turn"]
+        if not turns or any(self.numbers[k].sigma > 0 for k in turns):
+            return np.array(values, dtype=float)
+        self.turn_from = self.at(values).q
+        self.tables["state"]["attitude"][Q_KEY] = [float(x) for x in self.turn_from]
+        values = np.array(values, dtype=float)
+        values[turns] = 0.0
+        return values
+
     def _read(self, tables):
         handle, path = tempfile.mkstemp(suffix=".toml", dir="/dev/shm" if os.path.isdir("/dev/shm") else None)
         try:
@@ -418,9 +429,13 @@ def turn_of_components(q):
     return np.array([[-x, w, z, -y], [-y, -z, w, x], [-z, y, -x, w]])
 
 
-def parameters_of(what, products=False):
-    """The Parameters of a body: of its file where it has one in TOML."""
-    tables = read_toml(what.path) if what.path else None
+def parameters_of(what, scene_path=""):
+    """The Parameters of a body: of its file where it has one in TOML, which may be that of a scene."""
+    path = what.path
+    if not path and scene_path:
+        named = (read_toml(scene_path) or {}).get("body")
+        path = str(Path(scene_path).parent / named) if isinstance(named, str) else ""
+    tables = read_toml(path) if path else None
     if tables is not None and "name" in tables and ("state" in tables or "spin" in tables) and "inertia" in tables:
-        return Parameters(tables, Path(what.path).parent)
-    return Parameters.of_body(what, products)
+        return Parameters(tables, Path(path).parent)
+    return Parameters.of_body(what)

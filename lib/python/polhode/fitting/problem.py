@@ -56,7 +56,7 @@ class Problem:
         self.times = [np.array([instant - parameters.epoch for instant in r.instants]) for r in self.rows]
         self.estimated = [r.sigma is None for r in self.rows]
         self.sigma = [np.full(len(r), GUESSED_SIGMA[r.kind]) if r.sigma is None else np.array(r.sigma) for r in self.rows]
-        self.start = self.values
+        self.start = self.values  # that known sigmas are about
         self._known()
 
     @property

@@ -21,6 +21,7 @@ class Fit:
     def __init__(self, problem: Problem, values, active, course=None, scene=None, rank=1):
         self._problem, self._values, self._active, self._scene = problem, np.asarray(values), active, scene
         self.rank = rank
+        self._residuals = None
         self.solutions: list = [self]
         self.warnings: list = []
         residual, by = problem.residuals(values, active)
@@ -70,7 +71,9 @@ class Fit:
     def residuals(self):
         """A row for each measurement: a list of dicts with source, line, date_utc, kind, residual (of an attitude the angle),
         unit, sigmas (its size in standard deviations, of all its numbers together), chi_squared and used."""
-        out = []
+        if self._residuals is not None:
+            return self._residuals
+        out = self._residuals = []
         problem = self._problem
         for r, weighted, _ in problem.each(self._values, problem.everything(), derivatives=False):
             k = next(i for i, other in enumerate(problem.rows) if other is r)
