@@ -44,8 +44,8 @@ def off_by(body, fit, instants):
 
 
 def share_of_region(body, fit):
-    """The probability of the smallest region of the fit that holds the truth: uniform between 0 and 1, if the covariance
-    is right."""
+    """The probability of the smallest region that holds the truth, uniform between 0 and 1 if it is right: of regions by
+    chi-squared, and by the covariance."""
     state = body.motion()(fit.body.epoch - body.epoch)
     q = fit.body.q[[1, 2, 3, 0]]
     turn = np.degrees((Rotation.from_quat(q).inv() * state.rotation).as_rotvec())
@@ -60,8 +60,10 @@ def share_of_region(body, fit):
     error = np.array([true[name] - fit.parameters[name] for name in names])
     covariance = fit.covariance[np.ix_(places, places)]
     if fit.undetermined:
-        return None
-    return float(chi2.cdf(error @ np.linalg.solve(covariance, error), len(names)))
+        return None, None
+    values = np.array([true.get(name, fit.parameters[name]) for name in fit.names])
+    by_likelihood = chi2.cdf(fit.chi_squared_of(values) - fit.chi_squared, len(names))
+    return by_likelihood, float(chi2.cdf(error @ np.linalg.solve(covariance, error), len(names)))
 
 
 def main():
@@ -80,11 +82,13 @@ def main():
         share = share_of_region(body, fit)
         right = off < 10
         found += right
-        if right and share is not None:
+        if right and share[0] is not None:
             shares.append(share)
         print(seed, f"{off:.2f} deg", f"chi2 {fit.chi_squared:.1f}", len(fit.solutions), share, fit.undetermined, flush=True)
     shares = np.array(shares)
-    print(f"{found} of {last - first} at the truth; in the 68 % region {np.mean(shares < 0.68):.3f}, in that of 95 % {np.mean(shares < 0.95):.3f}, of {len(shares)}")
+    print(f"{found} of {last - first} at the truth")
+    for kind, column in zip(("chi-squared", "covariance"), shares.T):
+        print(f"in the region by {kind} of 68 %: {np.mean(column < 0.68):.3f}, of 95 %: {np.mean(column < 0.95):.3f}, of {len(shares)}")
 
 
 if __name__ == "__main__":

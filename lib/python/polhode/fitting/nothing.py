@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .._core import FreeMotion, frame_rotation
+from .._core import Body, FreeMotion, frame_rotation
 from .._errors import ComputationError, InputError
 from . import rotations
 from .leading import solved, with_estimated_sigmas, without_outliers
-from .motions import FreeMotions
+from .motions import FreeMotions, inertia_of
 from .observations import ATTITUDE, MAGNITUDE
 from .parameters import Parameters
 from .problem import Problem
@@ -68,13 +68,14 @@ def from_nothing(body, rows, *, robust, products, shape, within, most_solutions,
     if not any(frame == f for f in ("ICRF", "ECLIPJ2000")):
         q, frame = rotations.multiply(frame_rotation(frame, "ICRF"), q), "ICRF"
     order = np.argsort([i - instants[0] for i in instants], kind="stable")
-    epoch = instants[order[0]]
-    t = np.array([instants[k] - epoch for k in order])
+    first, middle = instants[order[0]], instants[order[len(order) // 2]]  # from its middle the motion is most nearly linear
+    t = np.array([instants[k] - first for k in order])
     q = q[order]
     highest = rate_rad_s(max_rate) if max_rate is not None else fastest(t)
     paths = []
     for guess in search(t, rotations.matrix(q), highest, products, progress)[:MOST_GUESSES]:
-        parameters = Parameters.of_state(name, epoch, frame, guess.q, guess.omega, guess.tensor, products=products)
+        state = Body(name, inertia=inertia_of(guess.tensor), epoch=first, frame=frame, q=guess.q, omega=guess.omega).motion(frame)(middle - first)
+        parameters = Parameters.of_state(name, middle, frame, state.q, state.omega, guess.tensor, products=products)
         if free or fixed:
             parameters.choose(free, fixed)
         mine = Problem(parameters, FreeMotions(parameters), rows)

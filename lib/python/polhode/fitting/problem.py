@@ -8,7 +8,7 @@ import numpy as np
 
 from .._errors import ComputationError, InputError
 from . import rotations
-from .brightness import ellipsoid_magnitude
+from .brightness import ellipsoid_magnitude, semi_axes_of_moments
 from .observations import ATTITUDE, AXIS, MAGNITUDE, RATE, WIDTH
 from .parameters import Parameter
 
@@ -17,9 +17,10 @@ GUESSED_SIGMA = {ATTITUDE: np.radians(5), AXIS: np.radians(5), MAGNITUDE: 0.1}  
 
 @dataclass
 class Photometry:
-    """How bright the body is: an ellipsoid along its named axes, H, a line and a parabola in phase angle."""
+    """How bright the body is: an ellipsoid along its named axes, H, a line and a parabola in phase angle. Without semi-axes
+    it is the ellipsoid of uniform density that has the body's moments, whatever they are."""
 
-    semi_axes: tuple
+    semi_axes: tuple | None
     numbers: list = field(default_factory=list)
 
     def __post_init__(self):
@@ -27,13 +28,17 @@ class Photometry:
             Parameter("H", ("H",), 0.0, 1.0, "mag", 1e-4),
             Parameter("phase_slope", ("slope",), 0.035, 0.1, "mag/deg", 1e-6),
             Parameter("phase_curvature", ("curvature",), 0.0, 1e-3, "mag/deg2", 1e-8, free=False),
-            *(Parameter(f"shape.{a}", ("shape", k), float(self.semi_axes[k]), max(self.semi_axes), "", 1e-5, free=False) for k, a in enumerate("xyz")),
         ]
+        for k, a in enumerate("xyz" if self.semi_axes else ""):
+            scale = max(self.semi_axes)
+            self.numbers.append(Parameter(f"shape.{a}", ("shape", k), float(self.semi_axes[k]), scale, "", 1e-5, free=False))
 
-    def magnitudes(self, values, state, rows):
-        """(n,), and derivatives by a small turn (n, 3) and by the numbers (n, 6)."""
+    def magnitudes(self, values, q, moments, rows):
+        """(n,), and derivatives by a small turn (n, 3), by the numbers, and by the moments (n, 3)."""
         h, slope, curvature, *axes = values
-        to_body = np.swapaxes(rotations.matrix(state.q), -1, -2)
+        if not axes:
+            axes = semi_axes_of_moments(moments)
+        to_body = np.swapaxes(rotations.matrix(q), -1, -2)
         directions = np.einsum("nij,nkj->nki", to_body, rows.towards)
         e, s = directions[:, 0], directions[:, 1]
         magnitude, by_e, by_s, by_axes = ellipsoid_magnitude(axes, e, s)
@@ -41,8 +46,13 @@ class Photometry:
         distance = 5 * np.log10(np.prod(rows.distances_au, axis=1))
         # A small turn of the body takes a direction d in its axes by d x turn.
         by_turn = np.cross(by_e, e) + np.cross(by_s, s)
-        by_numbers = np.column_stack([np.ones(len(phase)), phase, phase**2, by_axes / np.array(axes)])
-        return h + slope * phase + curvature * phase**2 + distance + magnitude, by_turn, by_numbers
+        by_numbers = np.column_stack([np.ones(len(phase)), phase, phase**2])
+        by_moments = np.zeros((len(phase), 3))
+        if self.semi_axes:
+            by_numbers = np.column_stack([by_numbers, by_axes / np.array(axes)])
+        else:
+            by_moments = by_axes @ ((0.25 - 0.5 * np.eye(3)) / np.maximum(moments.sum() / 2 - moments, 1e-6 * moments.sum())[:, None])
+        return h + slope * phase + curvature * phase**2 + distance + magnitude, by_turn, by_numbers, by_moments
 
 
 class Problem:
@@ -151,17 +161,16 @@ class Problem:
             if by is not None:  # a small turn takes what is seen by seen x turn; the factor's own change is of second order
                 by[:, :, :n_body] = factor[:, None, None] * (across @ rotations.cross_matrix(seen)) @ by_turn
         else:
-            magnitude, of_turn, of_numbers = self.photometry.magnitudes(values[n_body:], Slice(q), rows)
+            moments = np.diag(self.parameters.at(values[:n_body]).tensor)
+            magnitude, of_turn, of_numbers, of_moments = self.photometry.magnitudes(values[n_body:], q, moments, rows)
             residual = (rows.values - magnitude)[:, None]
             if by is not None:
                 by[:, 0, :n_body] = -np.einsum("ni,nik->nk", of_turn, by_turn)
                 by[:, 0, n_body:] = -of_numbers
+                if not self.photometry.semi_axes:
+                    of_tensor = self.parameters.derivative(values[:n_body])[[6, 9, 11]]
+                    by[:, 0, :n_body] -= of_moments @ of_tensor
         return residual
-
-
-@dataclass
-class Slice:
-    q: np.ndarray
 
 
 def solve(problem, values, active, loss="linear", rough=False, most=60):

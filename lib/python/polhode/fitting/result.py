@@ -97,6 +97,10 @@ class Fit:
                 )
         return out
 
+    def chi_squared_of(self, values):
+        """With other values of all numbers, in the order of `names`."""
+        return float(np.sum(self._problem.residuals(np.asarray(values, dtype=float), self._active, derivatives=False) ** 2))
+
     def rms(self, kind=ATTITUDE):
         """Root of the mean square of the residuals of a kind that were used: of attitudes of the angle, deg."""
         used = [row["residual"] for row in self.residuals() if row["kind"] == kind and row["used"]]
