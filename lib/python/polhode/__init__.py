@@ -55,6 +55,7 @@ from ._core import (
 from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
 from .sampling import sample
+from .fitting import Fit, fit
 
 __all__ = [
     "Account",
@@ -66,6 +67,7 @@ __all__ = [
     "Ephemeris",
     "Error",
     "FileError",
+    "Fit",
     "FreeMotion",
     "Inertia",
     "InputError",
@@ -88,6 +90,7 @@ __all__ = [
     "energy_at",
     "euler_angles",
     "euler_rates",
+    "fit",
     "frame_rotation",
     "input_formats",
     "leap_seconds",

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 PROGRAM = Path(__file__).parent / "bin" / "polhode"
-IN_PYTHON = ("plot", "spice")  # modules of this package with a main(arguments)
+IN_PYTHON = {"fit": "fitting", "plot": "plot", "spice": "spice"}  # subcommands: modules here with a main(arguments)
 
 
 def main() -> None:
@@ -17,11 +17,11 @@ def main() -> None:
         from . import _files
 
         def ask() -> None:
-            importlib.import_module(f"polhode.{sys.argv[1]}").main(sys.argv[2:])
+            importlib.import_module(f"polhode.{IN_PYTHON[sys.argv[1]]}").main(sys.argv[2:])
 
         _files.run(ask)
         return
-    os.environ["POLHODE_PYTHON"] = sys.executable  # which the program asks for `plot` and `spice`
+    os.environ["POLHODE_PYTHON"] = sys.executable  # which the program asks for those
     os.execv(PROGRAM, [str(PROGRAM), *sys.argv[1:]])
 
 
