@@ -54,6 +54,7 @@ from ._core import (
 )
 from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
+from ._program import program
 
 __all__ = [
     "Account",
@@ -92,6 +93,7 @@ __all__ = [
     "leap_seconds",
     "methods",
     "omega_from_euler_rates",
+    "program",
     "q_frame_from_momentum",
     "q_from_euler",
     "read",
