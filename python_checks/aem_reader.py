@@ -33,7 +33,7 @@ METADATA = {
 class Segment:
     meta: dict
     dates: list = field(default_factory=list)
-    rows: np.ndarray = None
+    rows: np.ndarray | None = None
 
 
 def read(path):

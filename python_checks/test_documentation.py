@@ -40,6 +40,7 @@ LONG = {
     "tools/demo": (BUILDS, None),
     "tools/test": (BUILDS, None),
     "tools/test --all": (BUILDS, None),
+    "tools/docs": (BUILDS, None),
     "tests/systems/bare_system.sh trixie": ("installs a system", None),
     "cmake --preset dev": (BUILDS, "cmake --list-presets -S {root} | grep -w dev"),
     "cmake --build --preset dev": (BUILDS, None),
@@ -159,7 +160,7 @@ def subcommands(*command):
 def scripts():
     """The programs of the source tree that are not `polhode`, each with its options."""
     options = {}
-    for name in ("tools/test", "tools/setup", "tools/demo", "tests/systems/bare_system.sh"):
+    for name in ("tools/test", "tools/setup", "tools/demo", "tools/docs", "tests/systems/bare_system.sh"):
         options[name] = options_in((ROOT / name).read_text())
     return options
 

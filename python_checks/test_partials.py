@@ -14,6 +14,7 @@ from free_motion_reference import FreeMotionReference, _conjugate, _multiply
 from support import run
 from test_free_motion import KINDS, problem
 
+
 def columns(i, q, m, digits, times):
     """Of each time: the derivatives (theta, m) by m0 and I, six columns of six; the norm of m, as a unit."""
     step = mp.mpf(10) ** -(digits // 2 + 10)

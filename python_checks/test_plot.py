@@ -11,7 +11,6 @@ from astropy.io import fits
 from support import PROGRAM, ROOT, SPINNER, T_HANDLE, TOUTATIS, propagate
 
 import polhode
-
 from polhode import InputError
 from polhode import plot as plotting
 

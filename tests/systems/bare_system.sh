@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# The two commands on a bare system: tests/systems/bare_system.sh SUITE [--clang] [--demo]
+# The two commands on a bare system: tests/systems/bare_system.sh SUITE [--clang] [--demo | --wheel]
 #
 # Makes the system SUITE (bookworm, trixie, noble) by debootstrap in build/systems, with git and what git needs, clones
 # the last commit there and runs tools/demo and tools/test in the clone; ends with their minutes and counts. --clang puts
-# clang in place of g++, --demo leaves tools/test out. Exit status: 1 if a command failed, 2 if the system cannot be made.
+# clang in place of g++, --demo leaves tools/test out. --wheel tries instead the wheel that tools/wheel made, on
+# a system that has python3-venv alone. Exit status: 1 if a command failed, 2 if the system cannot be made.
 #
 # Needs root, debootstrap and up to 6 GB. Packages come from where this machine's apt takes those of its own distribution;
 # of another one from the mirror named by MIRROR, or from debootstrap's. Names, certificates, proxies, apt and pip are set
@@ -19,14 +20,15 @@ cannot() {
 case ${1-} in
   bookworm | trixie) distribution=Debian script=sid components=main ;;
   noble) distribution=Ubuntu script=gutsy components=main,universe ;;
-  *) cannot "usage: tests/systems/bare_system.sh bookworm|trixie|noble [--clang] [--demo]" ;;
+  *) cannot "usage: tests/systems/bare_system.sh bookworm|trixie|noble [--clang] [--demo | --wheel]" ;;
 esac
-suite=$1 name=$1 commands=(demo test) environment=(PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8)
+suite=$1 name=$1 include=git commands=(demo test) environment=(PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8)
 for option in "${@:2}"; do
   case $option in
     --clang) name+=-clang environment+=(CXX=clang++) ;;
     --demo) commands=(demo) ;;
-    *) cannot "unknown option $option; --clang and --demo are allowed" ;;
+    --wheel) name+=-wheel include=python3-venv commands=(wheel) ;;
+    *) cannot "unknown option $option; --clang, --demo and --wheel are allowed" ;;
   esac
 done
 ((EUID == 0)) || cannot "root is needed"
@@ -50,7 +52,7 @@ if [[ -z $mirror ]]; then
     awk -v origin=$distribution '$1 == origin && $2 !~ /-/ { print $3; exit }')
 fi
 echo "bare_system: making $name (log: $root.log)"
-debootstrap --variant=minbase --include=git --components=$components "$suite" "$root" "$mirror" $script >"$root.log" 2>&1 || {
+debootstrap --variant=minbase --include=$include --components=$components "$suite" "$root" "$mirror" $script >"$root.log" 2>&1 || {
   tail -n 5 "$root.log" >&2
   cannot "debootstrap could not make $suite; MIRROR may name another mirror of $distribution"
 }
@@ -80,14 +82,21 @@ git clone --quiet --no-hardlinks . "$root/root/polhode"
 
 status=0 summary=()
 for command in "${commands[@]}"; do
-  echo "bare_system: tools/$command (log: $root-$command.log)"
+  what=tools/$command run="cd /root/polhode && tools/$command"
+  if [[ $command == wheel ]]; then
+    cp -r build/wheel/dist "$root/root/dist"
+    run="python3 -m venv /root/venv && /root/venv/bin/pip install -q numpy scipy &&
+      /root/venv/bin/pip install -q --no-index --find-links /root/dist polhode &&
+      /root/polhode/tests/systems/try_package.sh /root/venv /root/polhode"
+  fi
+  echo "bare_system: $what (log: $root-$command.log)"
   began=$SECONDS result=succeeded
-  inside "cd /root/polhode && tools/$command" >"$root-$command.log" 2>&1 || {
+  inside "$run" >"$root-$command.log" 2>&1 || {
     result=FAILED status=1
     tail -n 20 "$root-$command.log"
   }
   counts=$(grep -E '^[0-9]+ passed, [0-9]+ failed' "$root-$command.log" | tail -n 1 || true)
-  summary+=("$(printf '%-16s tools/%s %s in %d min %02d s%s' "$name" "$command" "$result" $(((SECONDS - began) / 60)) \
+  summary+=("$(printf '%-16s %s %s in %d min %02d s%s' "$name" "$what" "$result" $(((SECONDS - began) / 60)) \
     $(((SECONDS - began) % 60)) "${counts:+: $counts}")")
 done
 printf '%s\n' "${summary[@]}"

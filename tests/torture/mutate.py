@@ -1,6 +1,5 @@
 """Numbers in files and arguments, found by a pattern and replaced by awkward ones; and damage that knows no format."""
 
-import random
 import re
 import struct
 

@@ -54,8 +54,9 @@ from ._core import (
 )
 from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
-from .sampling import sample
+from ._program import program
 from .fitting import Fit, fit
+from .sampling import sample
 
 __all__ = [
     "Account",
@@ -96,6 +97,7 @@ __all__ = [
     "leap_seconds",
     "methods",
     "omega_from_euler_rates",
+    "program",
     "q_frame_from_momentum",
     "q_from_euler",
     "read",

@@ -5,10 +5,10 @@ from __future__ import annotations
 import importlib
 import os
 import sys
-from pathlib import Path
 
-PROGRAM = Path(__file__).parent / "bin" / "polhode"
-IN_PYTHON = {"fit": "fitting", "plot": "plot", "spice": "spice"}  # subcommands: modules here with a main(arguments)
+from . import _program
+
+IN_PYTHON = {"animate": "animate", "fit": "fitting", "plot": "plot", "spice": "spice"}  # subcommands: modules here with a main(arguments)
 
 
 def main() -> None:
@@ -21,8 +21,7 @@ def main() -> None:
 
         _files.run(ask)
         return
-    os.environ["POLHODE_PYTHON"] = sys.executable  # which the program asks for those
-    os.execv(PROGRAM, [str(PROGRAM), *sys.argv[1:]])
+    os.execve(_program.PATH, [str(_program.PATH), *sys.argv[1:]], _program.environment())
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ import warnings
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from ._errors import ComputationError, FileError, InputError
 
@@ -124,10 +125,10 @@ class Ephemeris:
     """The rows of a FITS file that `polhode propagate` wrote."""
 
     path: str
-    header: object  # of the table: like a dict
-    time: object  # astropy Time
-    q: object  # n x 4, scalar first, v_inertial = q v_body q*
-    omega_body: object  # n x 3, rad/s
+    header: Any  # of the table: like a dict
+    time: Any  # astropy Time
+    q: Any  # n x 4, scalar first, v_inertial = q v_body q*
+    omega_body: Any  # n x 3, rad/s
 
     def keyword(self, name):
         if name not in self.header:

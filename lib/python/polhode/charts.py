@@ -93,7 +93,7 @@ def curves(table):
 def place_labels(axes, labels, gap, widen=1.0):
     """Names at the accurate ends of their curves, moved up or down until none covers another. `labels`: (x, y, text,
     colour); `gap` in decades of y, `widen` of their widths for wide panels."""
-    placed = []
+    placed: list[tuple[float, float, float]] = []
     span = 0.33 * gap * 6.2  # decades of x that one character takes, about
     for x, y, text, color in sorted(labels, key=lambda label: label[1]):
         width = span * len(text) * 0.42 * widen
@@ -136,9 +136,9 @@ def draw_speed_accuracy(axes, table, cost_name, kind_of, styles, rivals, gap=0.1
             integrator_cost.extend(cost[kept])
         if error[kept[-1]] < 1:
             labels.append((error[kept[-1]], cost[kept[-1]], method, style["color"]))
-    front_error, front_cost = np.array(front_error), np.array(front_cost)
-    front = improving(front_error, front_cost)
-    x, y = front_error[front], front_cost[front]
+    errors, costs = np.array(front_error), np.array(front_cost)
+    front = improving(errors, costs)
+    x, y = errors[front], costs[front]
     x = np.concatenate(([4.0], x))
     y = np.concatenate(([y[0]], y))
     axes.step(x, y, where="post", color=FRONT, linewidth=5, alpha=0.75, zorder=2, solid_capstyle="round")

@@ -9,21 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import matplotlib
-import matplotlib.patheffects as effects
 import numpy as np
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 
 from . import _files
 from ._core import Body, Scene, read
 from ._errors import FileError, InputError
+from ._style import Shown, style_named
 
-INK = "#1b1f24"
-BLUE = "#0b5fa5"  # rotation about the axis of least inertia: case (i)
-RED = "#c2452d"  # about the axis of greatest inertia: case (ii)
-GREEN = "#3f8f3a"  # the separatrix: case (iii)
-SPHERE = np.array([0.93, 0.92, 0.89])
-HALO = [effects.withStroke(linewidth=3, foreground="white")]  # of words that may stand on curves
+BLUE, RED, GREEN = "blue", "red", "green"  # the cases of a motion, as colours of a Style
 FARTHEST = 1.9  # of an energy ellipsoid that is drawn, in radii of the sphere: a needle's reaches out to hundreds
 
 
@@ -41,6 +35,8 @@ class Rows:
     momentum: np.ndarray  # n x 3, principal axes, of length 1
     long_axis: np.ndarray  # n x 3, direction of principal axis 1 in the inertial frame
     momentum_direction: np.ndarray  # of the first row, in the inertial frame
+    q: np.ndarray  # n x 4, v_inertial = q v_named q*, scalar first
+    principal: np.ndarray  # 1 x 4, v_named = q v_principal q*
 
 
 def rotated(q, v):
@@ -124,11 +120,13 @@ def rows_from(path, q, omega, moments, principal, **described):
         momentum=momentum,
         long_axis=rotated(q, np.repeat(axes[0], count, 0)),
         momentum_direction=rotated(q[:1], in_body)[0],
+        q=q,
+        principal=principal,
         **described,
     )
 
 
-def rows_of(what, turns=20):
+def rows_of(what, turns=20, count=6000):
     """Of a FITS ephemeris, or of the motion of a body, a scene or a file of one."""
     if isinstance(what, (str, os.PathLike)):
         if not Path(str(what).partition("#")[0]).is_file() and not Path(what).is_file():
@@ -137,9 +135,9 @@ def rows_of(what, turns=20):
             return rows_of_file(what)
         what = read(what)
     if isinstance(what, Scene):
-        return rows_of_motion(what.motion(), what.body.inertia, what.body.name, turns)
+        return rows_of_motion(what.motion(), what.body.inertia, what.body.name, turns, count)
     if isinstance(what, Body):
-        return rows_of_motion(what.motion(), what.inertia, what.name, turns)
+        return rows_of_motion(what.motion(), what.inertia, what.name, turns, count)
     raise InputError("a body, a scene or a FITS ephemeris of one is wanted")
 
 
@@ -148,7 +146,8 @@ class View:
 
     pixels = 900
 
-    def __init__(self, towards, extent=1.5):
+    def __init__(self, towards, style, extent=1.5):
+        self.style = style
         self.extent = extent
         self.w = towards / np.linalg.norm(towards)
         self.u = np.cross([0, 0, 1], self.w)
@@ -156,6 +155,10 @@ class View:
         self.v = np.cross(self.w, self.u)
         side = np.linspace(-self.extent, self.extent, self.pixels)
         self.x, self.y = np.meshgrid(side, side)
+
+    def blank(self):
+        """An image of the paper."""
+        return np.ones((self.pixels, self.pixels, 3)) * matplotlib.colors.to_rgb(self.style.paper)
 
     def flat(self, points):
         return points @ self.u, points @ self.v
@@ -186,7 +189,7 @@ class View:
 
 
 def mode(motion):
-    """Case of the motion, and its colour: a rotation about a fixed axis, or the sign of 2 T I2 / G^2 - 1."""
+    """Case of the motion, and its colour in a Style: a rotation about a fixed axis, or the sign of 2 T I2 / G^2 - 1."""
     low, middle, high = motion.moments
     symmetric = is_equal(low, middle) or is_equal(middle, high)
     omega = motion.momentum / motion.moments
@@ -227,13 +230,13 @@ def draw_axes_labels(ax, view, reach):
         tip = np.eye(3)[k] * np.sign(view.w[k] if abs(view.w[k]) > 0.05 else 1)
         start, end = tip * reach[k], tip * (reach[k] + 0.28)
         ax.annotate(
-            "", view_xy(view, end), view_xy(view, start), arrowprops=dict(arrowstyle="-|>", color=INK, lw=1.1), zorder=9
+            "", view_xy(view, end), view_xy(view, start), arrowprops=dict(arrowstyle="-|>", color=view.style.ink, lw=1.1), zorder=9
         )
         sign = "" if tip[k] > 0 else "\N{MINUS SIGN}"
         x, y = view_xy(view, tip * (reach[k] + 0.28))
         away = np.array([x, y]) / max(np.hypot(x, y), 1e-9) * 0.13
         label = f"${sign}m_{k + 1}$"
-        ax.text(x + away[0], y + away[1], label, ha="center", va="center", fontsize=12.5, color=INK, path_effects=HALO, zorder=9)
+        ax.text(x + away[0], y + away[1], label, ha="center", va="center", fontsize=12.5, color=view.style.ink, path_effects=view.style.halo, zorder=9)
 
 
 def view_xy(view, point):
@@ -242,7 +245,7 @@ def view_xy(view, point):
 
 
 def finish(ax, view, title):
-    ax.set_title(title, fontsize=11.5, color=INK, pad=4)
+    ax.set_title(title, fontsize=11.5, color=view.style.ink, pad=4)
     ax.set(xlim=(-view.extent, view.extent), ylim=(-view.extent, view.extent), aspect="equal")
     ax.axis("off")
 
@@ -262,14 +265,15 @@ def draw_polhode(ax, view, momentum, hidden_by, colour):
     ax.plot(*view.flat(momentum), color=colour, lw=1, alpha=0.3)
     draw_curve(ax, view, momentum, hidden_by, color=colour, lw=2.6, solid_capstyle="round")
     if np.ptp(momentum, axis=0).max() < 0.03:
-        ax.plot(*view_xy(view, momentum[0]), "o", ms=8, color=colour, mec="white", mew=1, zorder=8)
+        ax.plot(*view_xy(view, momentum[0]), "o", ms=8, color=colour, mec=view.style.paper, mew=1, zorder=8)
 
 
 def momentum_sphere(ax, view, motion):
     depth, point = view.hit(np.ones(3))
     on_sphere = np.isfinite(depth)
-    image = np.ones((view.pixels, view.pixels, 3))
+    image = view.blank()
     slope = separatrix_slope(motion.moments)
+    green = 0.5 * np.array(matplotlib.colors.to_rgb(view.style.green)) + 0.5 * np.array(view.style.sphere)
     planes = []  # (depth, colour) of the two planes through axis 2, clipped to a disc
     if slope is not None:
         for sign in (1, -1):
@@ -279,11 +283,11 @@ def momentum_sphere(ax, view, motion):
             at = -(base @ normal) / (view.w @ normal)
             where = base + at[..., None] * view.w
             inside = np.linalg.norm(where, axis=-1) < 1.22
-            planes.append((np.where(inside, at, np.nan), np.array([0.62, 0.76, 0.58])))
+            planes.append((np.where(inside, at, np.nan), green))
     # From back to front: planes behind the sphere, the sphere, planes before it.
     for at, colour in sorted(planes, key=lambda plane: -np.nanmean(plane[0])):
         blended(image, np.isfinite(at), colour, 0.42)
-    sphere = view.shaded(point, SPHERE)
+    sphere = view.shaded(point, view.style.sphere)
     image[on_sphere] = sphere[on_sphere]
     for at, colour in planes:
         with np.errstate(invalid="ignore"):
@@ -295,8 +299,8 @@ def momentum_sphere(ax, view, motion):
     levels = np.concatenate([low + (middle - low) * np.array([0.1, 0.35, 0.7]), middle + (high - middle) * np.array([0.12, 0.38, 0.7])])
     levels = levels[np.diff(levels, prepend=low) > 1e-12 * high]  # none on the side where a symmetric body has none
     if len(levels):
-        ax.contour(view.x, view.y, energy, levels=levels, colors=["#8a8f94"], linewidths=0.7)
-    _, colour = mode(motion)
+        ax.contour(view.x, view.y, energy, levels=levels, colors=[view.style.faint], linewidths=0.7)
+    colour = getattr(view.style, mode(motion)[1])
     own = np.mean(np.sum(motion.momentum**2 / motion.moments, axis=1))
     if low < own < high:  # the whole polhode, of which the rows may be a part
         ax.contour(view.x, view.y, energy, levels=[own], colors=[colour], linewidths=0.9)
@@ -306,41 +310,42 @@ def momentum_sphere(ax, view, motion):
             along = np.array([1.0, 0.0, sign * slope])
             along /= np.linalg.norm(along)
             circle = np.cos(angle)[:, None] * along + np.sin(angle)[:, None] * np.array([0.0, 1.0, 0.0])
-            draw_curve(ax, view, circle, depth, color=GREEN, lw=1.6, ls=(0, (5, 2)))
+            draw_curve(ax, view, circle, depth, color=view.style.green, lw=1.6, ls=(0, (5, 2)))
     draw_polhode(ax, view, motion.momentum, depth, colour)
     draw_axes_labels(ax, view, [1.0, 1.0, 1.0])
     finish(ax, view, "Polhode on the momentum sphere" + ("" if slope is None else ", separatrix dashed"))
 
 
-def energy_ellipsoid(ax, towards, motion):
+def energy_ellipsoid(ax, towards, motion, style):
     inverse = 1 / motion.moments
     twice_energy = np.mean(np.sum(motion.momentum**2 * inverse, axis=1))
     semi_axes = np.sqrt(twice_energy / inverse)
-    view = View(towards, extent=np.clip(semi_axes.max() + 0.45, 1.5, FARTHEST + 0.5))
+    view = View(towards, style, extent=np.clip(semi_axes.max() + 0.45, 1.5, FARTHEST + 0.5))
     sphere_depth, sphere_point = view.hit(np.ones(3))
     depth, point = view.hit(inverse / twice_energy)
     with np.errstate(invalid="ignore"):
         depth[np.linalg.norm(point, axis=-1) > FARTHEST] = np.nan
-    _, colour = mode(motion)
-    image = np.ones((view.pixels, view.pixels, 3))
+    case = mode(motion)[1]
+    colour = getattr(style, case)
+    image = view.blank()
     before = np.where(np.isfinite(depth), depth, -np.inf)
     sphere_before = np.where(np.isfinite(sphere_depth), sphere_depth, -np.inf)
-    tint = 0.45 * np.array(matplotlib.colors.to_rgb(colour)) + 0.55
+    tint = (1 - style.tint) * np.array(matplotlib.colors.to_rgb(colour)) + style.tint
     ellipsoid = view.shaded(point * inverse, tint)
-    sphere = view.shaded(sphere_point, SPHERE)
+    sphere = view.shaded(sphere_point, view.style.sphere)
     np.copyto(image, ellipsoid, where=((before > sphere_before) & np.isfinite(depth))[..., None])
     np.copyto(image, sphere, where=((sphere_before >= before) & np.isfinite(sphere_depth))[..., None])
     ax.imshow(image, origin="lower", extent=[-view.extent, view.extent] * 2, interpolation="bilinear")
     front = np.fmax(sphere_depth, depth)
     draw_polhode(ax, view, motion.momentum, front, colour)
-    mirrored = motion.momentum * np.where(np.arange(3) == (0 if colour == BLUE else 2), -1, 1)
+    mirrored = motion.momentum * np.where(np.arange(3) == (0 if case == BLUE else 2), -1, 1)
     draw_curve(ax, view, mirrored, front, color=colour, lw=1.2, ls=(0, (1, 1.5)))
     draw_axes_labels(ax, view, np.clip(semi_axes, 1.0, FARTHEST))
     cut = f" (cut off at {FARTHEST})" if semi_axes.max() > FARTHEST else ""
     finish(ax, view, f"The same where the energy ellipsoid{cut} cuts the sphere")
 
 
-def sky(ax, motion):
+def sky(ax, motion, style):
     ecliptic = motion.frame.upper().startswith("ECLIP")
     along, across = ("ecliptic longitude", "latitude") if ecliptic else ("right ascension", "declination")
     centre = np.arctan2(motion.momentum_direction[1], motion.momentum_direction[0])
@@ -355,52 +360,55 @@ def sky(ax, motion):
     whole = np.abs(np.diff(x)) < np.pi  # not across the edge of the map
     days = (motion.time_s - motion.time_s[0]) / 86400
     span, unit = (days, "days") if days[-1] >= 2 else (days * 24, "hours") if days[-1] * 24 >= 2 else (days * 86400, "s")
-    dark_to_light = matplotlib.colormaps["cividis"].resampled(256)(np.linspace(0, 0.88, 256))  # light enough is too light
+    shades = matplotlib.colormaps["cividis"].resampled(256)(np.linspace(style.map_ends[0], style.map_ends[1], 256))
     lines = LineCollection(
-        segments[whole], cmap=matplotlib.colors.ListedColormap(dark_to_light), array=span[:-1][whole], linewidths=1.3
+        segments[whole], cmap=matplotlib.colors.ListedColormap(shades), array=span[:-1][whole], linewidths=1.3
     )
     ax.add_collection(lines)
-    ax.plot(x[0], y[0], "o", ms=12, mfc="white", mec=INK, mew=1.5, label="first row", zorder=5, clip_on=False)
-    ax.plot(x[-1], y[-1], "s", ms=8, mfc=INK, mec="white", mew=1.2, label="last row", zorder=5, clip_on=False)
+    ax.plot(x[0], y[0], "o", ms=12, mfc=style.paper, mec=style.ink, mew=1.5, label="first row", zorder=5, clip_on=False)
+    ax.plot(x[-1], y[-1], "s", ms=8, mfc=style.ink, mec=style.paper, mew=1.2, label="last row", zorder=5, clip_on=False)
     lx, ly = flat(motion.momentum_direction)
-    ax.plot(lx, ly, "*", ms=15, mfc="white", mec=INK, mew=1.2, label="angular momentum", zorder=6, clip_on=False)
+    ax.plot(lx, ly, "*", ms=15, mfc=style.paper, mec=style.ink, mew=1.2, label="angular momentum", zorder=6, clip_on=False)
     ticks = np.arange(-150, 151, 30)
     ax.set_xticks(np.radians(ticks), [])
     for t in ticks:
         label = f"{np.round(np.degrees(centre) - t) % 360:.0f}°"
-        ax.text(np.radians(t), 0.04, label, fontsize=8.5, color="#555a60", ha="center", va="bottom", path_effects=HALO, zorder=4)
-    ax.tick_params(axis="y", labelsize=8.5, labelcolor="#555a60")
-    ax.grid(color="#c9ccd0", lw=0.6)
-    ax.set_title(f"Path of the long axis on the sky ({along} and {across}, {motion.frame})", fontsize=11.5, color=INK, pad=12, parse_math=False)
-    ax.legend(loc="lower left", bbox_to_anchor=(-0.075, -0.09), frameon=False, fontsize=9.5, labelspacing=0.7)
+        ax.text(np.radians(t), 0.04, label, fontsize=8.5, color=style.pencil, ha="center", va="bottom", path_effects=style.halo, zorder=4)
+    ax.tick_params(axis="y", labelsize=8.5, labelcolor=style.pencil)
+    ax.set_facecolor(style.paper)
+    ax.spines["geo"].set_color(style.ink)
+    ax.grid(color=style.grid, lw=0.6)
+    ax.set_title(f"Path of the long axis on the sky ({along} and {across}, {motion.frame})", fontsize=11.5, color=style.ink, pad=12, parse_math=False)
+    ax.legend(loc="lower left", bbox_to_anchor=(-0.075, -0.09), frameon=False, fontsize=9.5, labelspacing=0.7, labelcolor=style.ink)
     bar = ax.figure.colorbar(lines, ax=ax, shrink=0.62, pad=0.04, aspect=22)
-    bar.set_label(f"{unit} from the first row", fontsize=9.5, color=INK)
+    bar.set_label(f"{unit} from the first row", fontsize=9.5, color=style.ink)
     bar.outline.set_visible(False)
+    bar.ax.tick_params(colors=style.pencil)
 
 
-def body(what, turns=20):
+def body(what, turns=20, style="light"):
     """The figure of a motion: `what` is a FITS ephemeris, a file of a body or scene, a Body or a Scene; of bodies so many
-    turns are drawn, of scenes no more than they last. Raises InputError, FileError."""
-    return draw(rows_of(what, turns))
+    turns are drawn, of scenes no more than they last. `style` is "light" or "dark". Raises InputError, FileError."""
+    return draw(rows_of(what, turns), style_named(style))
 
 
-def draw(motion):
-    figure = Figure(figsize=(11.5, 11.2), dpi=150, facecolor="white")
+def draw(motion, style):
+    figure = Shown(figsize=(11.5, 11.2), dpi=150, facecolor=style.paper)
     grid = figure.add_gridspec(2, 2, height_ratios=[1.05, 1], hspace=0.1, wspace=0.02, left=0.06, right=0.97, top=0.885, bottom=0.04)
     # Looked at from the side where the momentum is, a little off the axis it goes about.
     middle = motion.momentum.mean(axis=0)
-    name, colour = mode(motion)
+    name, case = mode(motion)
     side = np.sign(middle) + (middle == 0)
-    towards = side * (np.array([1.0, 0.62, 0.5]) if colour == BLUE else np.array([0.62, 0.62, 0.75]))
-    view = View(towards)
+    towards = side * (np.array([1.0, 0.62, 0.5]) if case == BLUE else np.array([0.62, 0.62, 0.75]))
+    view = View(towards, style)
     momentum_sphere(figure.add_subplot(grid[0, 0]), view, motion)
-    energy_ellipsoid(figure.add_subplot(grid[0, 1]), towards, motion)
-    sky(figure.add_subplot(grid[1, :], projection="mollweide"), motion)
+    energy_ellipsoid(figure.add_subplot(grid[0, 1]), towards, motion, style)
+    sky(figure.add_subplot(grid[1, :], projection="mollweide"), motion, style)
     ratios = " : ".join(f"{m:.4g}" for m in motion.moments / motion.moments[-1])
-    figure.text(0.06, 0.968, motion.object, fontsize=19, weight="bold", color=INK, va="center", parse_math=False)
+    figure.text(0.06, 0.968, motion.object, fontsize=19, weight="bold", color=style.ink, va="center", parse_math=False)
     of_body, of_rows = f"{name}, moments {ratios}", f"{motion.begin} to {motion.end}, method {motion.method}"
     for height, line in ((0.94, of_body), (0.922, of_rows)):
-        figure.text(0.06, height, line, fontsize=10.5, color="#555a60", va="center", parse_math=False)
+        figure.text(0.06, height, line, fontsize=10.5, color=style.pencil, va="center", parse_math=False)
     return figure
 
 
@@ -421,13 +429,14 @@ def main(arguments):
     parser = _files.Parser(prog="polhode plot", description="Draw a tumbling body, or a table of polhode chart")
     parser.add_argument("file", help="FITS ephemeris, body file or scene; table of polhode chart")
     parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg; of a table the folder (default: beside FILE)")
+    parser.add_argument("--style", choices=("light", "dark"), default="light", help="of a body's picture (default: light)")
     options = parser.parse_args(arguments)
     from . import charts
 
     if charts.is_chart(options.file):
         charts.draw_file(Path(options.file), options.output)
         return
-    figure = body(options.file)
+    figure = body(options.file, style=options.style)
     out = Path(options.output or Path(options.file.removesuffix(".gz")).with_suffix(".png"))
     format = picture_format(out)
     with _files.whole_file(out) as file:

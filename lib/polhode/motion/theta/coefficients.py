@@ -23,7 +23,7 @@ def remez(function, weight, low, high, degree):
         solution = mp.lu_solve(matrix, right)
         coefficients = [solution[k] for k in range(degree + 1)]
 
-        def error(x):
+        def error(x, coefficients=coefficients):
             return (mp.polyval(coefficients[::-1], x) - function(x)) * weight(x)
 
         grid = [low + (high - low) * mp.mpf(i) / 2000 for i in range(2001)]
