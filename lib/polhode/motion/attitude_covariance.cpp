@@ -43,6 +43,8 @@ Body differentiated(const Body& body) {
   return out;
 }
 
+constexpr double kRounding_rad = 1e-12;  // displaced by less, motions show their rounding
+
 /// The body's motion, and those that are displaced by a sigma of each part of the uncertainty.
 class DisplacedMotions {
  public:
@@ -69,7 +71,7 @@ class DisplacedMotions {
   double change_of_sigma(const AttitudeCovariance& covariance, double t_s) const {
     if (impossible_) return 1.0;
     const double sigma_rad = covariance.sigma_rad(t_s);
-    if (sigma_rad == 0.0) return 0.0;
+    if (sigma_rad < kRounding_rad) return 0.0;
     const Eigen::Matrix3Xd turns = covariance.turns_at(t_s);
     const Quaternion centre = centre_.attitude(t_s).conjugate();
     double more = 0.0;

@@ -91,7 +91,9 @@ StateWorth state_worth(const Body& body) {
     return KnownUntil{angle_rad, known_until_s(body, covariance, angle_rad)};
   };
   StateWorth worth;
-  worth.sigma_at_epoch_rad = covariance.sigma_rad(0.0);
+  constexpr double rounding_rad = 1e-15;
+  const double at_epoch_rad = covariance.sigma_rad(0.0);
+  worth.sigma_at_epoch_rad = at_epoch_rad < rounding_rad ? 0.0 : at_epoch_rad;
   worth.degree = known(degree);
   worth.ten_degrees = known(10.0 * degree);
   worth.at_all = known(std::numbers::pi);
