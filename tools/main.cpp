@@ -46,6 +46,7 @@ int run(int argc, char** argv) {
   polhode::tools::add_plan(app);
   polhode::tools::add_population(app);
   polhode::tools::add_propagate(app);
+  polhode::tools::add_sample(app);
   polhode::tools::add_python(app);
   try {
     app.parse(argc, argv);

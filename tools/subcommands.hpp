@@ -24,6 +24,7 @@ void add_methods(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_population(CLI::App& app);
 void add_propagate(CLI::App& app);
+void add_sample(CLI::App& app);
 void add_python(CLI::App& app);  // plot, spice
 
 }  // namespace polhode::tools

@@ -136,14 +136,15 @@ void write_watched(const OutputOptions& options, const EphemerisFormat& format, 
   });
 }
 
-void write_watched(const std::string& path, std::size_t rows, const std::function<void(const Progress&)>& write) {
+void write_watched(const std::string& path, std::size_t rows, const std::function<void(const Progress&)>& write,
+                   const char* rows_are) {
   {
     const bool terminal = ::isatty(STDERR_FILENO) != 0;
     const StoppedNote note(fmt::format("{}polhode: stopped; {} is not written\n", terminal ? "\r\033[K" : "", path));
     ProgressLine line(rows);
     write([&line](std::size_t done) { line(done); });
   }
-  say(fmt::format("{}: {} rows", path == "-" ? "standard output" : path, rows));
+  say(fmt::format("{}: {} {}", path == "-" ? "standard output" : path, rows, rows_are));
 }
 
 }  // namespace polhode::tools

@@ -29,6 +29,7 @@ void write_watched(const OutputOptions& options, const EphemerisFormat& format, 
 
 /// Calls `write` for the file of that name, shows how far it is, and says how many rows it has; a signal that comes
 /// meanwhile removes what was begun and then ends the program.
-void write_watched(const std::string& path, std::size_t rows, const std::function<void(const Progress&)>& write);
+void write_watched(const std::string& path, std::size_t rows, const std::function<void(const Progress&)>& write,
+                   const char* rows_are = "rows");
 
 }  // namespace polhode::tools

@@ -54,6 +54,7 @@ from ._core import (
 )
 from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
+from .sampling import sample
 
 __all__ = [
     "Account",
@@ -97,6 +98,7 @@ __all__ = [
     "read",
     "read_case",
     "read_mesh",
+    "sample",
     "set_leap_seconds",
     "solve_periods",
     "write",

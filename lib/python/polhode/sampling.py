@@ -1,0 +1,97 @@
+"""Clones drawn from the uncertainties of a body or scene, on this machine or on the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import csv
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ._errors import ComputationError, FileError, InputError
+
+
+def _program() -> str:
+    own = Path(__file__).parent / "bin" / "polhode"
+    found = os.environ.get("POLHODE") or (str(own) if own.exists() else shutil.which("polhode"))
+    if not found:
+        raise FileError("the program polhode is not there; the installed package brings it")
+    return str(found)
+
+
+def _run(arguments: Sequence[str]) -> None:
+    done = subprocess.run([_program(), "sample", *arguments], capture_output=True, text=True, check=False)
+    if done.returncode == 0:
+        return
+    lines = done.stderr.strip().splitlines() or [f"the program ended with status {done.returncode}"]
+    message = lines[-1].removeprefix("polhode: ")
+    raise {2: InputError, 3: FileError}.get(done.returncode, ComputationError)(message)
+
+
+def _part(options: Sequence[str], part: int, parts: int, threads: int) -> bytes:
+    """The statistics of a part of the clones, as the program writes them. A function of its arguments alone."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "sample.part")
+        _run([*options, "--part", f"{part}/{parts}", "--threads", str(threads), "-o", str(path)])
+        return path.read_bytes()
+
+
+def _columns(path: Path) -> dict[str, np.ndarray]:
+    with open(path, newline="", encoding="utf-8") as file:
+        rows = list(csv.reader(line for line in file if not line.startswith("#")))
+    names, cells = rows[0], np.array(rows[1:], dtype=object)
+    return {
+        name: cells[:, k].astype(str) if name.startswith("date_") else cells[:, k].astype(float)
+        for k, name in enumerate(names)
+    }
+
+
+def sample(
+    path: str | os.PathLike[str],
+    *,
+    count: int,
+    seed: int,
+    times: str | Sequence[str],
+    frame: str | None = None,
+    scale: str = "TDB",
+    uniform: Mapping[str, float] | None = None,
+    parts: int | None = None,
+    threads: int = 0,
+    client: Any = None,
+    output: str | os.PathLike[str] | None = None,
+) -> dict[str, np.ndarray]:
+    """Statistics of `count` clones of the body or scene in a file, drawn from its uncertainties: a column each, as
+    `polhode sample` writes them, one row for each of the `times` (dates with their scale). Clone n depends on the seed and
+    n alone. `uniform` names numbers that are not known at all, and the width about their values. `client`, of
+    dask.distributed, has the parts done by its workers, which must see the file under its path; what a lost worker had is
+    done again by another, and the result is the same bits. `output` is written as well: FITS, CSV or ECSV by its ending.
+    Raises InputError, FileError, ComputationError."""
+    source = Path(path).resolve()
+    wanted = times if isinstance(times, str) else ",".join(str(time) for time in times)
+    options = [str(source), "--count", str(count), "--seed", str(seed), "--times", wanted, "--scale", scale]
+    if frame is not None:
+        options += ["--frame", frame]
+    for name, width in (uniform or {}).items():
+        options += ["--uniform", f"{name}={width!r}"]
+    if parts is None:
+        parts = 1 if client is None else max(8, 4 * len(client.scheduler_info()["workers"]))
+    if client is None:
+        made = [_part(options, part, parts, threads) for part in range(1, parts + 1)]
+    else:
+        futures = [client.submit(_part, options, part, parts, 1, pure=False) for part in range(1, parts + 1)]
+        made = client.gather(futures)
+    with tempfile.TemporaryDirectory() as folder:
+        files = []
+        for number, content in enumerate(made):
+            files.append(Path(folder, f"{number}.part"))
+            files[-1].write_bytes(content)
+        table = Path(folder, "sample.csv")
+        _run(["--join", *map(str, files), "-o", str(table)])
+        if output is not None:
+            _run(["--join", *map(str, files), "-o", str(Path(output).resolve())])
+        return _columns(table)

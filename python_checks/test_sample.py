@@ -1,0 +1,207 @@
+"""polhode sample: parts, threads, restarts and array jobs give the bits of the whole."""
+
+import os
+import signal
+import subprocess
+import time
+
+import numpy as np
+import pytest
+from astropy.io import fits
+from support import PROGRAM, ROOT, run
+
+BODY = """name = "tumbler"
+[inertia]
+moments = [3.0836, 3.235, 1.0]
+moments_sigma = [0.005, 0.005, 0.0]
+unit = "ratios"
+long_axis = "z"
+intermediate_axis = "x"
+short_axis = "y"
+[state]
+epoch = "1992-11-09T17:49:47 UTC"
+frame = "ECLIPJ2000"
+[state.attitude]
+euler_angles = [145.498, 65.865, 241.524]
+euler_angles_sigma = [3.762, 2.388, 2.586]
+sequence = "ZXZ"
+unit = "deg"
+[state.angular_velocity]
+components = [14.51, 33.529, -98.709]
+components_sigma = [0.099, 0.096, 0.097]
+axes = "body"
+unit = "deg/day"
+"""
+TIMES = "1993-01-01 TDB,2012-12-12 TDB"
+
+
+@pytest.fixture
+def body(tmp_path):
+    path = tmp_path / "tumbler.toml"
+    path.write_text(BODY)
+    return path
+
+
+def sample(body, out, *options, count=3000, seed=11):
+    run("sample", body, "--count", count, "--seed", seed, "--times", TIMES, "-o", out, *options, env=os.environ | {"SOURCE_DATE_EPOCH": "0"})
+    return out
+
+
+def join(parts, out):
+    run("sample", "--join", *parts, "-o", out, env=os.environ | {"SOURCE_DATE_EPOCH": "0"})
+    return out
+
+
+def test_threads_and_parts_give_the_same_bits(tmp_path, body):
+    whole = sample(body, tmp_path / "whole.fits", "--threads", 1).read_bytes()
+    assert sample(body, tmp_path / "two.fits", "--threads", 2).read_bytes() == whole
+    assert list(tmp_path.glob("*.part")) == []
+    parts = [sample(body, tmp_path / f"{i}.part", "--part", f"{i}/7") for i in range(7, 0, -1)]
+    assert join(parts, tmp_path / "joined.fits").read_bytes() == whole
+    assert sample(body, tmp_path / "other.fits", seed=12).read_bytes() != whole
+    with fits.open(tmp_path / "whole.fits", checksum=True) as file:
+        row = file["SAMPLE"].data[0]
+        assert file["SAMPLE"].header["NCLONES"] == 3000
+        assert row["PMODE"].sum() == pytest.approx(1) and row["PMODE"][1] > 0.99
+        assert row["ANGLE"][0] < row["ANGLE"][1] < row["ANGLE"][2]
+        assert row["RATE"][0] < row["RATE"][2] < row["RATE"][4]
+
+
+def test_parts_that_do_not_belong_together_are_refused(tmp_path, body):
+    one, two = (sample(body, tmp_path / f"{i}.part", "--part", f"{i}/2") for i in (1, 2))
+    other = sample(body, tmp_path / "other.part", "--part", "2/2", seed=12)
+    for parts, message in (((one,), "missing"), ((one, two, two), "twice"), ((one, other), "different samples")):
+        result = run("sample", "--join", *parts, "-o", tmp_path / "out.csv", check=False)
+        assert result.returncode == 2 and message in result.stderr
+    text = two.read_text()
+    two.write_text(text[: len(text) // 2])
+    result = run("sample", "--join", one, two, "-o", tmp_path / "out.csv", check=False)
+    assert result.returncode == 2 and "2.part" in result.stderr
+    assert not (tmp_path / "out.csv").exists()
+
+
+def test_rows_of_parts_follow_one_another(tmp_path, body):
+    def lines(path):
+        return [line for line in path.read_text().splitlines() if not line.startswith(("#", "clone"))]
+
+    whole = lines(sample(body, tmp_path / "whole.csv", "--rows", "--threads", 2, count=500))
+    assert len(whole) == 1000 and whole[0].startswith("0,1993-01-01T") and whole[-1].startswith("499,2012-12-12T")
+    parts = [lines(sample(body, tmp_path / f"{i}.csv", "--rows", "--part", f"{i}/3", count=500)) for i in (1, 2, 3)]
+    assert sum(parts, []) == whole
+    # A clone is the same whoever draws it: of a longer sample, too.
+    assert lines(sample(body, tmp_path / "more.csv", "--rows", count=600))[:1000] == whole
+
+
+def test_statistics_are_those_of_the_rows(tmp_path, body):
+    import polhode
+
+    sample(body, tmp_path / "rows.fits", "--rows", count=4000)
+    with fits.open(sample(body, tmp_path / "out.fits", count=4000)) as file:
+        table = file["SAMPLE"].data
+        with fits.open(tmp_path / "rows.fits", checksum=True) as rows:
+            data = rows["CLONES"].data
+            q = data["QPARAM"].reshape(4000, 2, 4)
+            omega = data["OMEGA"].reshape(4000, 2, 3)
+    published = polhode.read(body).motion()(["1993-01-01 TDB", "2012-12-12 TDB"])
+    for j in range(2):
+        values, vectors = np.linalg.eigh(np.einsum("ni,nk->ik", q[:, j], q[:, j]) / 4000)
+        assert abs(table["QMEAN"][j] @ vectors[:, 3]) == pytest.approx(1, abs=1e-12)
+        assert np.radians(table["SPREAD"][j]) == pytest.approx(2 * np.arcsin(np.sqrt(values[:3].sum())), rel=1e-9)
+        angles = 2 * np.degrees(np.arccos(np.clip(np.abs(q[:, j] @ np.roll(published.q[j], -1)), 0, 1)))
+        assert np.allclose(table["ANGLE"][j], np.quantile(angles, [0.5, 0.682689, 0.9545, 0.9973]), rtol=0.03)
+        rates = np.linalg.norm(omega[:, j], axis=1) / np.linalg.norm(published.omega[j]) - 1
+        assert np.allclose(table["RATE"][j][1:4], np.quantile(rates, [0.158655, 0.5, 0.841345]), rtol=0.05, atol=3e-5)
+
+
+def test_what_was_killed_goes_on(tmp_path, body):
+    count = 400_000
+    out = tmp_path / "out.csv"
+    arguments = ["sample", body, "--count", count, "--seed", 3, "--times", "1993-01-01 TDB", "-o", out]
+    environment = os.environ | {"SOURCE_DATE_EPOCH": "0"}
+    process = subprocess.Popen([PROGRAM, *map(str, arguments)], env=environment, stderr=subprocess.PIPE)
+    begun = tmp_path / "out.csv.part"
+    for _ in range(600):
+        if begun.exists() or process.poll() is not None:
+            break
+        time.sleep(0.1)
+    process.send_signal(signal.SIGKILL)
+    process.communicate()
+    assert not out.exists() or process.returncode == 0
+    again = run(*arguments, env=environment)
+    if begun.exists():
+        assert "clones are there" in again.stderr
+    parts = [tmp_path / f"{i}.part" for i in (1, 2)]
+    for i, part in enumerate(parts):
+        run(*arguments[:-1], part, "--part", f"{i + 1}/2", env=environment)
+    assert join(parts, tmp_path / "joined.csv").read_bytes() == out.read_bytes()
+    assert not begun.exists()
+
+
+def test_the_array_job(tmp_path, body):
+    environment = os.environ | {
+        "POLHODE": str(PROGRAM), "BODY": str(body), "COUNT": "3000", "SEED": "11", "TIMES": TIMES, "OUT": str(tmp_path / "task"),
+        "SLURM_ARRAY_TASK_MAX": "7", "SLURM_CPUS_PER_TASK": "1",
+    }
+    for task in range(1, 8):
+        subprocess.run([ROOT / "tools/cluster/sample.slurm"], env=environment | {"SLURM_ARRAY_TASK_ID": str(task)}, check=True)
+    joined = join(sorted(tmp_path.glob("task-*.part")), tmp_path / "joined.csv")
+    assert joined.read_bytes() == sample(body, tmp_path / "whole.csv").read_bytes()
+
+
+def test_from_python(tmp_path, body):
+    import polhode
+
+    ours = polhode.sample(body, count=3000, seed=11, times=TIMES.split(","), parts=3, output=tmp_path / "out.fits")
+    with fits.open(sample(body, tmp_path / "whole.fits")) as file:
+        table = file["SAMPLE"].data
+    assert np.array_equal(ours["attitude_spread_deg"], table["SPREAD"]) and len(ours["date_tdb"]) == 2
+    with fits.open(tmp_path / "out.fits") as file:
+        assert np.array_equal(file["SAMPLE"].data["QMEAN"], table["QMEAN"])
+    with pytest.raises(polhode.InputError, match="no number with an uncertainty"):
+        polhode.sample(body, count=10, seed=1, times=TIMES, uniform={"nonsense": 1.0})
+
+
+def test_lost_workers_parts_are_done_again(tmp_path, body):
+    distributed = pytest.importorskip("distributed")
+    import polhode
+
+    expected = polhode.sample(body, count=60_000, seed=5, times=TIMES)
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, distributed.Client(cluster) as client:
+        victim = next(iter(cluster.workers.values()))
+        killed = []
+
+        def kill_soon():
+            time.sleep(1.0)
+            killed.append(victim.pid)
+            os.kill(victim.pid, signal.SIGKILL)
+
+        import threading
+
+        thread = threading.Thread(target=kill_soon)
+        thread.start()
+        ours = polhode.sample(body, count=60_000, seed=5, times=TIMES, client=client, parts=16)
+        thread.join()
+    assert killed and all(np.array_equal(ours[name], expected[name]) for name in expected)
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        (("--count", "10", "--seed", "1", "--times", TIMES, "-o", "out.dat"), ".fits"),
+        (("--seed", "1", "--times", TIMES, "-o", "out.csv"), "--count"),
+        (("--count", "10", "-o", "out.csv"), "--times"),
+        (("--count", "10", "--times", TIMES, "--part", "8/7", "-o", "out.part"), "part 8 of 7"),
+        (("--count", "10", "--times", TIMES, "--part", "one", "-o", "out.part"), "1/K"),
+        (("--count", "10", "--times", TIMES, "--part", "1/7", "-o", "out.csv"), ".part"),
+        (("--count", "10", "--times", TIMES, "--uniform", "psi", "-o", "out.csv"), "NAME=WIDTH"),
+    ],
+)
+def test_what_is_refused(tmp_path, body, options, message):
+    result = run("sample", body, *options, check=False, cwd=tmp_path)
+    assert result.returncode == 2 and message in result.stderr
+    assert [path.name for path in tmp_path.iterdir()] == [body.name]
+
+
+def test_exact_bodies_have_no_clones(tmp_path):
+    result = run("sample", ROOT / "data/bodies/t-handle.toml", "--count", 5, "--times", TIMES, "-o", tmp_path / "out.csv", check=False)
+    assert result.returncode == 2 and "uncertain" in result.stderr
