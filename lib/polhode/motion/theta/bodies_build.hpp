@@ -130,8 +130,7 @@ template <class Real>
   const Lanes b[4] = {1.0 - h4 * (3.0 - h8 * (5.0 - 7.0 * h12)), -h3 * (1.0 - h8 * (5.0 - 14.0 * h12)),
                       h10 * (1.0 - 7.0 * h12), -h21};
   Lanes u = t * (1.0 - 2.0 * h2 - h * (t * t) * (1.0 - 2.0 * h2) * (1.0 - 1.8 * h * (t * t)));
-  constexpr int steps = N::kTwoParts ? 4 : 3;  // and one below; that to 32 digits begins at 16
-  for (int step = 0; step < steps; ++step) {
+  for (int step = 0; step < 3; ++step) {
     const Lanes uu = u * u;
     const Lanes at = ((a[3] * uu + a[2]) * uu + a[1]) * uu + a[0], bt = ((b[3] * uu + b[2]) * uu + b[1]) * uu + b[0];
     const Lanes a_slope = (3.0 * a[3] * uu + 2.0 * a[2]) * uu + a[1], b_slope = (2.0 * b[2]) * uu + b[1];
@@ -148,8 +147,9 @@ template <class Real>
   const Lanes h28 = h21 * h6 * h;
   const Lanes s8 = h28 * (hy4 * hy4 - 2.0 * h4);
   Real a0 = N::with_small((q6 * y4 - q * y2) - q15 * y6, s8) + 1.0;
-  const Lanes y7 = ((hu2 + 7.0 * h) * hu2 + 14.0 * h2) * hu2 + 7.0 * h3;  // (p^7 - g^7)/u
-  const Real b0 = (N::with_small(q10 * (y4 + q * y3) - q3 * y3, -h21 * y7) + 1.0) * u0;
+  const Lanes y7 = ((hu2 + 7.0 * h) * hu2 + 14.0 * h2) * hu2 + 7.0 * h3;                      // (p^7 - g^7)/u
+  const Lanes y9 = (((hu2 + 9.0 * h) * hu2 + 27.0 * h2) * hu2 + 30.0 * h3) * hu2 + 9.0 * h4;  // (p^9 - g^9)/u
+  const Real b0 = (N::with_small(q10 * (y4 + q * y3) - q3 * y3, h15 * h21 * y9 - h21 * y7) + 1.0) * u0;
   const Lanes a_slope = (3.0 * a[3] * hu2 + 2.0 * a[2]) * hu2 + a[1], b_slope = (2.0 * b[2]) * hu2 + b[1];
   const Lanes b_of_u = ((b[3] * hu2 + b[2]) * hu2 + b[1]) * hu2 + b[0];
   const Lanes delta = -N::high(b0 - tau * a0) / (b_of_u + 2.0 * (hu2 * b_slope - t * u0 * a_slope));
