@@ -69,7 +69,7 @@ def share_of_region(body, fit):
 def main():
     first, last = map(int, sys.argv[1:3])
     shares, found = [], 0
-    for seed in range(first, last):
+    for seed in [int(s) for s in sys.argv[3:]] or range(first, last):
         random = np.random.default_rng(seed)
         body = random_body(random)
         history = attitudes(body, random)

@@ -14,7 +14,7 @@ import numpy as np
 from .._core import Body, FreeMotion, frame_rotation
 from .._errors import ComputationError, InputError
 from . import rotations
-from .leading import solved, with_estimated_sigmas, without_outliers
+from .leading import chi_squared, solved, with_estimated_sigmas, without_outliers
 from .motions import FreeMotions, inertia_of
 from .observations import ATTITUDE, MAGNITUDE
 from .parameters import Parameters
@@ -31,7 +31,9 @@ FINENESS = 6  # trial frequencies for each turn more over the span
 MOST_FREQUENCIES = 20000
 KEPT_FREQUENCIES = 3
 BASE = 6.0  # of the inverse moments, where only their differences matter
-MOST_GUESSES = 8  # that are fitted
+GUESSES, MOST_GUESSES = 8, 60  # that are fitted at least, and at most if none meets the attitudes
+SEEN_ASIDE = 0.3  # between momentum and rate, above which a body surely tumbles
+ONE_AXIS = 16.0  # chi-squared that tumbling must save, for two ratios and two angles
 BASIS = np.zeros((5, 3, 3))  # of symmetric matrices without a trace, the diagonal ones first
 BASIS[0] = np.diag([1, -1, 0]) / 2**0.5
 BASIS[1] = np.diag([1, 1, -2]) / 6**0.5
@@ -73,7 +75,10 @@ def from_nothing(body, rows, *, robust, products, shape, within, most_solutions,
     q = q[order]
     highest = rate_rad_s(max_rate) if max_rate is not None else fastest(t)
     paths = []
-    for guess in search(t, rotations.matrix(q), highest, products, progress)[:MOST_GUESSES]:
+    guesses = search(t, rotations.matrix(q), highest, products, progress)
+    for k, guess in enumerate(guesses[:MOST_GUESSES]):
+        if k >= GUESSES and k % 4 == 0 and paths and is_met(min(paths, key=lambda path: path[0])):
+            break
         state = Body(name, inertia=inertia_of(guess.tensor), epoch=first, frame=frame, q=guess.q, omega=guess.omega).motion(frame)(middle - first)
         parameters = Parameters.of_state(name, middle, frame, state.q, state.omega, guess.tensor, products=products)
         if free or fixed:
@@ -88,6 +93,13 @@ def from_nothing(body, rows, *, robust, products, shape, within, most_solutions,
     if not paths:
         raise ComputationError(f"{name}: no motion was found that meets the attitudes")
     return ranked(paths, robust, within, most_solutions)
+
+
+def is_met(path):
+    """Whether most rows are met: to three sigmas, or where these are not stated to 10 deg."""
+    _, problem, values = path
+    far = [np.sqrt(np.mean(r**2, axis=1)) > (2 if e else 3) for e, (_, r, _) in zip(problem.estimated, problem.each(values, problem.everything(), False))]
+    return np.mean(np.concatenate(far)) < 0.2
 
 
 def ranked(paths, robust, within, most_solutions):
@@ -109,7 +121,9 @@ def ranked(paths, robust, within, most_solutions):
             problem.sigma = [s * np.median(o / s) if e else s for s, o, e in zip(problem.sigma, fits[0]._problem.sigma, problem.estimated)]
         else:
             values = with_estimated_sigmas(problem, values, active)
+        values, sentences = about_one_axis(problem, values, active)
         fits.append(Fit(problem, problem.parameters.anchored(values), active))
+        fits[-1].undetermined += sentences
     fits.sort(key=lambda fit: fit.chi_squared)
     fits = [fit for fit in fits if fit.chi_squared <= fits[0].chi_squared + within]
     for k, one in enumerate(fits):
@@ -117,6 +131,29 @@ def ranked(paths, robust, within, most_solutions):
     if len(fits) > 1:
         fits[0].warnings.append(f"{len(fits)} solutions are within {within:g} of the best chi-squared: the measurements do not decide between them")
     return fits[0]
+
+
+def about_one_axis(problem, values, active):
+    """The values, and what is to be said where a rotation about one axis meets the measurements as well: then the moments,
+    whatever they came to, are not determined, and are held."""
+    parameters = problem.parameters
+    at = parameters.at(values[: len(parameters.numbers)])
+    momentum = at.tensor @ at.omega
+    aside = np.linalg.norm(np.cross(momentum, at.omega)) / np.linalg.norm(momentum) / np.linalg.norm(at.omega)
+    moments = [k for k, p in enumerate(parameters.numbers) if p.name.startswith(("moments", "products")) and p.free]
+    if aside > SEEN_ASIDE or not moments or problem.photometry:
+        return values, []
+    steady = values.copy()
+    for k, p in enumerate(parameters.numbers):
+        if p.name.startswith(("moments", "products")):
+            steady[k] = 1.0 if p.name.startswith("moments") else 0.0
+            p.free = False
+    steady, cost = solved(problem, [(steady, np.inf)], active, "linear", rough=False)[0]
+    if cost < chi_squared(problem, values, active) + ONE_AXIS:
+        return steady, ["not determined: the moments of inertia; a rotation about one axis meets the measurements as well, and the moments are written as equal ones"]
+    for k in moments:
+        parameters.numbers[k].free = True
+    return values, []
 
 
 def same_motion(problem, values, other, other_values):

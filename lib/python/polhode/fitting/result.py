@@ -6,6 +6,7 @@ import numpy as np
 
 from .. import _files
 from .._errors import InputError
+from .motions import FreeMotions
 from .observations import ATTITUDE, AXIS, MAGNITUDE, RATE
 from .problem import Problem
 from .words import Determined
@@ -37,6 +38,30 @@ class Fit:
         self.body = problem.parameters.body_at(self._values[: len(problem.parameters.numbers)])
         self.course = course
         self._warn()
+        if isinstance(problem.motions, FreeMotions):
+            self._warn_of_curvature()
+
+    def _warn_of_curvature(self):
+        """Where chi-squared is no parabola within two sigmas, the sigmas hold roughly only."""
+        free = [k for k in range(len(self.names)) if self.covariance[k, k] > 0]
+        scale = np.sqrt(np.diag(self.covariance)[free])
+        sizes, axes = np.linalg.eigh(self.covariance[np.ix_(free, free)] / np.outer(scale, scale))
+        worst, where = 1.0, None
+        for size, axis in zip(sizes, axes.T):
+            if size < 1e-12:
+                continue
+            for sign in (2, -2):
+                moved = self._values.copy()
+                moved[free] += sign * np.sqrt(size) * axis * scale
+                try:
+                    rise = max(self.chi_squared_of(moved) - self.chi_squared, 0.04) / 4
+                except InputError:  # beyond what bodies can be
+                    continue
+                if max(rise, 1 / rise) > worst:
+                    worst, where = max(rise, 1 / rise), axis
+        if worst > 4:
+            names = [self.names[free[k]] for k in np.argsort(-np.abs(where))[:3]]
+            self.warnings.append(f"the sigmas are rough: chi-squared is no parabola along {', '.join(names)}")
 
     def _warn(self):
         problem = self._problem
