@@ -48,6 +48,7 @@ void add(CLI::App& app, const std::string& name, const std::string& description)
 }  // namespace
 
 void add_python(CLI::App& app) {
+  add(app, "look", "A picture of a body as an observer sees it, or a strip of them (needs the Python package)");
   add(app, "plot", "Pictures of a body's motion, and the figures of a chart (needs the Python package)");
   add(app, "spice", "SPICE kernels of an attitude ephemeris in FITS (needs the Python package)");
 }
