@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 PROGRAM = Path(__file__).parent / "bin" / "polhode"
-IN_PYTHON = ("plot", "spice")  # modules of this package with a main(arguments)
+IN_PYTHON = ("look", "plot", "spice")  # modules of this package with a main(arguments)
 
 
 def main() -> None:
@@ -21,7 +21,7 @@ def main() -> None:
 
         _files.run(ask)
         return
-    os.environ["POLHODE_PYTHON"] = sys.executable  # which the program asks for `plot` and `spice`
+    os.environ["POLHODE_PYTHON"] = sys.executable  # which the program asks for them
     os.execv(PROGRAM, [str(PROGRAM), *sys.argv[1:]])
 
 
