@@ -6,7 +6,7 @@ How a page is written, so that it can be run:
                   any lines, `…` within a line for any text; the rest must match letter by letter. A command with
                   nothing below it may print anything. A line that ends in a backslash goes on in the next. A command
                   must succeed, unless the next one is `echo $?`.
-    ```toml       a whole body or scene; its first line is a comment with the name of the file
+    ```toml       a whole body or scene, or orbital elements; its first line is a comment with the name of the file
     ```python     runs as it stands; a comment after `print(…)` is what that prints
     ```cpp        a program of tests/install/consumer, which the test `install` compiles
     ```text, or indented by four columns: patterns of commands, formulas, pieces of files; commands and options in them
@@ -221,7 +221,10 @@ def run_toml(block, folder):
     assert name, f"{block.where()}: the first line of a file is a comment with its name"
     (folder / name[1]).write_text("\n".join(block.lines) + "\n")
     is_scene = any(line.startswith("body = ") for line in block.lines)
-    result = shell(f"polhode {'plan' if is_scene else 'info'} {name[1]}", folder)
+    command = f"polhode {'plan' if is_scene else 'info'} {name[1]}"
+    if any(line.startswith("eccentricity = ") for line in block.lines):
+        command = f"polhode observe data/bodies/toutatis.toml --target {name[1]} --start '2013-01-01 TDB' --count 1 -o -"
+    result = shell(command, folder)
     assert result.returncode == 0, f"{block.where()}: {result.stdout}"
 
 

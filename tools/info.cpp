@@ -170,6 +170,10 @@ void print(Page& page, const BodyReport& report) {
       print_axis(page, 2, *spin.short_axis);
       if (report.next_flip_s) page.row("first flip after the epoch", duration(*report.next_flip_s));
       page.row("distance from separatrix", fmt::format("{:.4g} (0 on it, 1 farthest)", *spin.separatrix_distance));
+      for (const LightCurveFrequency& one : light_curve_frequencies(spin)) {
+        page.row(fmt::format("light curve, {}", one.name),
+                 fmt::format("{:.7g}/d, period {}", std::abs(one.per_s) * day_s, duration(1.0 / std::abs(one.per_s))));
+      }
     }
   }
   if (body.uncertainty) print_uncertainty(page, report);

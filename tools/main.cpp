@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
   polhode::tools::add_convert_frame(app);
   polhode::tools::add_methods(app);
   polhode::tools::add_bench(app);
+  polhode::tools::add_observe(app);
   polhode::tools::add_plan(app);
   polhode::tools::add_population(app);
   polhode::tools::add_propagate(app);

@@ -50,6 +50,7 @@ void add(CLI::App& app, const std::string& name, const std::string& description)
 void add_python(CLI::App& app) {
   add(app, "fit", "A spin state and ratios of inertia from measurements (needs the Python package)");
   add(app, "animate", "A film of a body's motion, or a glTF file of it (needs the Python package)");
+  add(app, "look", "A picture of a body as an observer sees it, or a strip of them (needs the Python package)");
   add(app, "plot", "Pictures of a body's motion, and the figures of a chart (needs the Python package)");
   add(app, "spice", "SPICE kernels of an attitude ephemeris in FITS (needs the Python package)");
 }

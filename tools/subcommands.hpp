@@ -21,10 +21,11 @@ void add_info(CLI::App& app);
 void add_convert_time(CLI::App& app);
 void add_convert_frame(CLI::App& app);
 void add_methods(CLI::App& app);
+void add_observe(CLI::App& app);
 void add_plan(CLI::App& app);
 void add_population(CLI::App& app);
 void add_propagate(CLI::App& app);
 void add_sample(CLI::App& app);
-void add_python(CLI::App& app);  // plot, spice
+void add_python(CLI::App& app);  // animate, fit, look, plot, spice
 
 }  // namespace polhode::tools

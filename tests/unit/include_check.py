@@ -30,8 +30,9 @@ ALLOWED = {folder: UPWARDS[: i + 1] for i, folder in enumerate(UPWARDS)} | {
     "write": BODY_AND_BELOW + ["ephemeris", "write"],
     "rivals": UPWARDS + ["rivals"],
     "rivals/survey": UPWARDS + ["rivals", "rivals/survey"],
-    "session": UPWARDS + ["ephemeris", "read", "write", "session"],
-    "python": UPWARDS + ["ephemeris", "read", "write", "session", "python"],
+    "observe": UPWARDS + ["ephemeris", "observe"],
+    "session": UPWARDS + ["ephemeris", "observe", "read", "write", "session"],
+    "python": UPWARDS + ["ephemeris", "observe", "read", "write", "session", "python"],
 }
 WRAPPED = re.compile(r"(erfa\w*\.h|fitsio\d?\.h|toml\+\+/.*|pugixml\.hpp|nlohmann/.*|CLI/.*|sundials/.*|boost/.*)")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
@@ -139,6 +140,9 @@ def check_the_rules():
         ("python/a.cpp", '#include "rivals/registry.hpp"', True),
         ("polhode/write/a.cpp", '#include "python/python.hpp"', True),
         ("polhode/write/a.cpp", '#include "polhode/session/body_report.hpp"', True),
+        ("polhode/observe/a.cpp", '#include "polhode/motion/motion.hpp"', False),
+        ("polhode/observe/a.cpp", '#include "polhode/read/body.hpp"', True),
+        ("polhode/motion/a.cpp", '#include "polhode/observe/sight.hpp"', True),
     ]:
         assert bool(list(faults(pathlib.Path(path), text))) == wrong, (path, text)
     for folder, others in ALLOWED.items():

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "polhode/base/error.hpp"
+#include "polhode/body/spin_solution.hpp"
 #include "polhode/read/body.hpp"
 
 namespace polhode {
@@ -222,4 +223,19 @@ TEST(Invariants, WhatIsMissingIsNamed) {
 }
 
 }  // namespace
+TEST(Invariants, FrequenciesOfALightCurve) {
+  // Apophis (Lee et al. 2022): the main period of the light curve is 1/(1/P_phi - 1/P_psi) = 30.55 h, published by
+  // half.
+  const polhode::Inertia inertia = polhode::inertia_from_moments({0.64, 0.97, 1.0}, false);
+  const auto solutions =
+      polhode::solve_periods(inertia, {polhode::AxisConvention::long_axis, 27.38547 * 3600, 264.178 * 3600, false});
+  const auto all =
+      polhode::light_curve_frequencies(polhode::spin_invariants(inertia, solutions.at(0).momentum_at_psi_zero));
+  ASSERT_EQ(all.size(), 5U);
+  EXPECT_STREQ(all[3].name, "2/P_phi - 2/P_psi");
+  EXPECT_NEAR(2.0 / all[3].per_s / 3600, 1.0 / (1.0 / 27.38547 - 1.0 / 264.178), 1e-6);
+  EXPECT_NEAR(2.0 / all[1].per_s / 3600, 27.38547, 1e-6);
+  EXPECT_TRUE(polhode::light_curve_frequencies(polhode::spin_invariants(inertia, {0, 0, 1})).empty());
+}
+
 }  // namespace polhode

@@ -95,6 +95,16 @@ SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_p
   return out;
 }
 
+std::vector<LightCurveFrequency> light_curve_frequencies(const SpinInvariants& spin) {
+  if (!spin.polhode_period_s || !spin.long_axis || !std::isfinite(*spin.polhode_period_s)) return {};
+  const double phi = 1.0 / spin.long_axis->precession_period_s, psi = 1.0 / *spin.polhode_period_s;
+  return {{"1/P_phi", phi},
+          {"2/P_phi", 2.0 * phi},
+          {"2/P_psi", 2.0 * psi},
+          {"2/P_phi - 2/P_psi", 2.0 * (phi - psi)},
+          {"2/P_phi + 2/P_psi", 2.0 * (phi + psi)}};
+}
+
 Vector3 momentum_principal(const Body& body) {
   if (!body.inertia) throw InputError("body '" + body.name + "' has no inertia: an angular momentum needs it");
   if (!body.state || !body.state->omega_named_rad_s) {

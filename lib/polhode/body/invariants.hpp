@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "polhode/body/body.hpp"
 
@@ -52,6 +53,17 @@ struct SpinInvariants {
 /// Euler's equations, tests/unit/invariants_test.cpp) as far as the data determine them: near the separatrix their
 /// logarithm needs digits of I and L that published values do not have.
 SpinInvariants spin_invariants(const Inertia& inertia, const Vector3& momentum_principal);
+
+/// A frequency that the light curve of a tumbling body shows: a sum of whole multiples of 1/P_phi and 1/P_psi.
+struct LightCurveFrequency {
+  const char* name;  ///< "2/P_phi - 2/P_psi"
+  double per_s;      ///< may be negative
+};
+
+/// The lowest ones of a body whose brightness is the same when it is turned by half a turn about a principal axis, as
+/// that of an ellipsoid is, and 1/P_phi, by the periods of the long-axis convention; a body of another form shows odd
+/// multiples as well. None where the body does not tumble, or its polhode never closes.
+std::vector<LightCurveFrequency> light_curve_frequencies(const SpinInvariants& spin);
 
 /// Angular momentum of a state in principal axes, or in an inertial frame. Throw InputError if the inertia, the rate or
 /// (in a frame) the attitude is missing, or is not what its description says.

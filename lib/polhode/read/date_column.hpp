@@ -28,6 +28,9 @@ class DateColumn {
   /// Of the table's row. Throws InputError for what is no date, or a format of astropy that is not read.
   Instant date(const TextTable& table) const;
 
+  /// Whether this column of the table is it, or one of the two.
+  bool holds(std::size_t column) const { return column == first_ || column == second_; }
+
  private:
   Instant date(const std::string& first, const std::string& second) const;
 

@@ -13,6 +13,8 @@
 #include "polhode/read/ccsds_rules.hpp"
 #include "polhode/read/ccsds_tree.hpp"
 #include "polhode/read/date_column.hpp"
+#include "polhode/read/elements_file.hpp"
+#include "polhode/read/horizons_file.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
@@ -81,7 +83,7 @@ class OemReader {
  public:
   OemReader(const std::string& path, const TrajectoryRequest& request) : path_(path), request_(request) {}
 
-  TabulatedOrbit read(std::string_view text) const {
+  TabulatedOrbit read(std::string_view text) {
     const CcsdsFile file = parse_ccsds(text, path_, CcsdsContent::orbit);
     const CcsdsMessage& message = file.messages.front();
     if (file.messages.size() > 1) {
@@ -99,17 +101,22 @@ class OemReader {
     return located({path_, message.segments.front().metadata.line}, [&] { return TabulatedOrbit(std::move(tables)); });
   }
 
+  /// In capitals.
+  const std::string& centre() const { return centre_; }
+
  private:
-  OrbitTable table(const CcsdsSegment& segment, std::string& object) const {
+  OrbitTable table(const CcsdsSegment& segment, std::string& object) {
     const CcsdsFields fields(segment.metadata, oem_metadata, "the metadata of an OEM", path_);
     if (object.empty()) object = fields.normal("OBJECT_ID");
     if (fields.normal("OBJECT_ID") != object) {
       throw InputError(fields.where("OBJECT_ID"),
                        fmt::format("{}: another object than the first segment's {}", fields.text("OBJECT_ID"), object));
     }
-    if (fields.normal("CENTER_NAME") != ccsds_text(request_.centre)) {
-      throw InputError(fields.where("CENTER_NAME"), fmt::format("the trajectory is about {}, one about {} is wanted",
-                                                                fields.text("CENTER_NAME"), request_.centre));
+    if (centre_.empty()) centre_ = request_.centre.empty() ? fields.normal("CENTER_NAME") : ccsds_text(request_.centre);
+    if (fields.normal("CENTER_NAME") != centre_) {
+      throw InputError(fields.where("CENTER_NAME"),
+                       fmt::format("the trajectory is about {}, one about {} is wanted", fields.text("CENTER_NAME"),
+                                   request_.centre.empty() ? centre_ : request_.centre));
     }
     const CcsdsClock clock = ccsds_clock(fields.entry("TIME_SYSTEM"), path_);
     if (!clock.known) {
@@ -164,6 +171,7 @@ class OemReader {
 
   const std::string& path_;
   const TrajectoryRequest& request_;
+  std::string centre_;
 };
 
 // --- Tables of text -------------------------------------------------------------------------------------------------
@@ -278,6 +286,22 @@ TabulatedOrbit parse_trajectory(const std::string& text, const std::string& path
     return OemReader(path, request).read(text);
   }
   return TableReader(text, path, request).read();
+}
+
+CentredTrajectory read_centred_trajectory(const std::string& path, const TrajectoryRequest& request) {
+  return parse_centred_trajectory(read_text_file(path), path, request);
+}
+
+CentredTrajectory parse_centred_trajectory(const std::string& text, const std::string& path,
+                                           const TrajectoryRequest& request) {
+  if (is_horizons(text)) return parse_horizons(text, path, request);
+  if (is_elements(text)) return parse_elements(text, path, request);
+  TrajectoryRequest any = request;
+  any.centre.clear();
+  if (!is_ccsds(text)) return {Trajectory(parse_trajectory(text, path, any)), {}};
+  OemReader reader(path, any);
+  TabulatedOrbit orbit = reader.read(text);
+  return {Trajectory(std::move(orbit)), reader.centre()};
 }
 
 }  // namespace polhode

@@ -11,7 +11,7 @@ namespace polhode {
 
 /// What the caller knows of a trajectory and wants of it.
 struct TrajectoryRequest {
-  std::string centre;                ///< name of the central body; an OEM must name the same (any case)
+  std::string centre;                ///< name of the central body; an OEM must name the same (any case); empty: any
   Frame frame = Frame::icrf;         ///< wanted, inertial
   std::optional<Frame> table_frame;  ///< of a table of text, which names none; `frame` if not given
   Instant zero;                      ///< where the body's clock is 0
@@ -29,5 +29,17 @@ struct TrajectoryRequest {
 TabulatedOrbit read_trajectory(const std::string& path, const TrajectoryRequest& request);
 /// The same from the file's content; `path` is for messages.
 TabulatedOrbit parse_trajectory(const std::string& text, const std::string& path, const TrajectoryRequest& request);
+
+/// A trajectory and the name of its central body; empty where the file names none.
+struct CentredTrajectory {
+  Trajectory trajectory;
+  std::string centre;
+};
+
+/// The way of a body from a file as read_trajectory() takes it, from Horizons' vector table (horizons_file.hpp) or from
+/// orbital elements (elements_file.hpp), by content. `request.centre` is left out of account.
+CentredTrajectory read_centred_trajectory(const std::string& path, const TrajectoryRequest& request);
+CentredTrajectory parse_centred_trajectory(const std::string& text, const std::string& path,
+                                           const TrajectoryRequest& request);
 
 }  // namespace polhode

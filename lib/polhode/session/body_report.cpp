@@ -164,6 +164,9 @@ std::string json_text(const BodyReport& report) {
       motion["polhode_period_s"] = *spin.polhode_period_s;  // null where infinite
       motion["long_axis"] = json(*spin.long_axis);
       motion["short_axis"] = json(*spin.short_axis);
+      for (const LightCurveFrequency& one : light_curve_frequencies(spin)) {
+        motion["light_curve_frequencies_per_s"][one.name] = one.per_s;
+      }
       if (report.next_flip_s) motion["first_flip_after_epoch_s"] = *report.next_flip_s;
     }
     out["motion"] = motion;

@@ -8,7 +8,8 @@ import sys
 
 from . import _program
 
-IN_PYTHON = {"animate": "animate", "fit": "fitting", "plot": "plot", "spice": "spice"}  # subcommands: modules here with a main(arguments)
+# Subcommands: modules of this package with a main(arguments).
+IN_PYTHON = {"animate": "animate", "fit": "fitting", "look": "look", "plot": "plot", "spice": "spice"}
 
 
 def main() -> None:

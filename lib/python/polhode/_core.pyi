@@ -623,6 +623,11 @@ class Motion:
         Exact partial derivatives of a free motion at t, an array (..., 6, 9): rows theta (a small turn of the attitude in body axes, rad) and the momentum; columns the same two at the epoch, and the principal moments I1 <= I2 <= I3. In the axes of the states. A derivative by a moment holds attitude and momentum at the epoch, so that the rate changes.
         """
 
+    def observe(self, times: Any, target: Orbit | str | os.PathLike[str] | None = None, *, observer: Orbit | str | os.PathLike[str] = 'geocentre', sun: Orbit | str | os.PathLike[str] | None = None, site: tuple[float, float, float] | None = None, directions: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, centre: str = 'Sun', trajectory_frame: str | None = None, ut1_minus_utc_s: float = 0.0, pole_x_arcsec: float = 0.0, pole_y_arcsec: float = 0.0, convention: str = 'long-axis', frame: str = 'ECLIPJ2000', shape: Mesh | str | os.PathLike[str] | numpy.typing.ArrayLike | None = None, shape_unit: str | None = None, law: str = 'lommel-seeliger', lambert_weight: float = 0.1, specular: float = 0.0, H: float | None = None, hg1g2: tuple[float, float] | None = None, phase_polynomial: tuple[float, float] | None = None, exposure: float | str | astropy.units.Quantity | None = None, geometry: bool = True, threads: int = 0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
+        """
+        What an observer sees at times of reception: the columns of `polhode observe` as arrays of the times' shape. `target`, `observer` and `sun` are trajectories, files or Orbits (in the motion's frame, about `centre`, seconds from its epoch); the observer may be 'geocentre', 'sun', or a `site` (longitude and latitude in deg, height in m). Instead of a target `directions` may give its astrometric geocentric right ascension and declination (rad) and distance (m). A `shape` (semi-axes in m along the body's x, y, z, text as on the command line, or a Mesh or its file with `shape_unit`) adds magnitude and area_m2. `geometry=False` leaves all else away.
+        """
+
     def condition_number(self, t: Any) -> float:
         """
         How far the attitude moves, in rad, per relative change of a moment or of the momentum, at t.

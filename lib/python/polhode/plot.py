@@ -427,12 +427,22 @@ def picture_format(path):
 
 def main(arguments):
     parser = _files.Parser(prog="polhode plot", description="Draw a tumbling body, or a table of polhode chart")
-    parser.add_argument("file", help="FITS ephemeris, body file or scene; table of polhode chart")
+    parser.add_argument("file", help="FITS ephemeris, body file or scene; table of polhode chart, or of polhode observe")
     parser.add_argument("-o", "--output", help="picture, .png, .pdf or .svg; of a table the folder (default: beside FILE)")
     parser.add_argument("--style", choices=("light", "dark"), default="light", help="of a body's picture (default: light)")
+    parser.add_argument("--fold", help="of a light curve: fold it with this period, as '30.56 h'")
     options = parser.parse_args(arguments)
-    from . import charts
+    from . import charts, lightcurve
 
+    if lightcurve.is_light_curve(options.file):
+        out = Path(options.output or Path(options.file).with_suffix(".png"))
+        format = picture_format(out)
+        figure = lightcurve.picture(options.file, options.fold)
+        with _files.whole_file(out) as file:
+            figure.savefig(file, format=format)
+        return
+    if options.fold:
+        raise InputError(f"--fold is for light curves; {options.file} is no table of polhode observe with magnitudes")
     if charts.is_chart(options.file):
         charts.draw_file(Path(options.file), options.output)
         return

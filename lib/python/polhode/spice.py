@@ -11,6 +11,7 @@ import numpy as np
 import spiceypy
 
 from . import _files
+from ._core import Instant, Orbit
 from ._errors import FileError, InputError
 
 # SPICE's TDB, from its leap-seconds kernels: ET = TT + K sin(M + EB sin M), M = M0 + M1 t.
@@ -410,6 +411,30 @@ def kernels(file, folder=".", *, id=None, name=None, tolerance=None):
             else:
                 target.unlink(missing_ok=True)  # of an earlier run, which this one's .tm does not load
     return said
+
+
+def orbit(target, motion, start, stop, step, *, centre="SUN", kernels=()):
+    """The way of a target of SPICE's about a centre, for `motion.observe(…, target=…)`: an Orbit of geometric states, each
+    `step` seconds from start to stop (dates with their scale, Instants or astropy Times), in the motion's frame and on its
+    clock. SPK kernels are loaded already, or named by `kernels`. Raises InputError.
+    """
+    start, stop = Instant.of(start), Instant.of(stop)
+    if motion.frame not in SPICE_FRAMES:
+        raise InputError(f"the motion is in {motion.frame}; SPICE has {', '.join(SPICE_FRAMES)}")
+    if not (stop - start > 0 and step > 0):
+        raise InputError("stop must be after start, and the step positive")
+    t = np.append(np.arange(start - motion.epoch, stop - motion.epoch, step), stop - motion.epoch)
+    try:
+        for kernel in kernels:
+            spiceypy.furnsh(os.fspath(kernel))
+        et = [sum((motion.epoch + float(s)).since_j2000("ET")) for s in t]
+        states = np.array([spiceypy.spkezr(str(target), s, SPICE_FRAMES[motion.frame], "NONE", str(centre))[0] for s in et])
+    except spiceypy.exceptions.SpiceyError as error:
+        raise InputError(f"SPICE: {error.short} {error.long}") from None
+    finally:
+        for kernel in kernels:
+            spiceypy.unload(os.fspath(kernel))
+    return Orbit.table(t, 1e3 * states[:, :3], 1e3 * states[:, 3:], degree=min(7, 2 * len(t) - 1))
 
 
 def main(arguments):

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "polhode/body/inertia.hpp"
+#include "polhode/body/spin_solution.hpp"
+#include "polhode/frames/frame.hpp"
+#include "polhode/motion/motion.hpp"
+#include "polhode/observe/scattering.hpp"
+#include "polhode/observe/shape.hpp"
+#include "polhode/observe/sight.hpp"
+
+namespace polhode {
+
+/// A body's motion with all that relates it to the sky.
+struct ObservedMotion {
+  std::shared_ptr<const Motion> motion;  ///< of the principal axes
+  Frame frame = Frame::icrf;             ///< inertial, of its states
+  Instant epoch;                         ///< where its clock is 0
+  Matrix3 named_from_principal = Matrix3::Identity();
+  Vector3 principal_moments = Vector3::Ones();
+};
+
+/// How bright the body is.
+struct Photometry {
+  std::shared_ptr<const Shape> shape;
+  ScatteringLaw law;
+  PhaseFunction phase;
+  /// Absolute magnitude, of the mean of all directions at phase 0. Magnitudes are relative without it: as if it were 0.
+  std::optional<double> absolute_magnitude;
+};
+
+struct ObservationOptions {
+  AxisConvention convention = AxisConvention::long_axis;
+  Frame angles_frame = Frame::ecliptic_j2000;  ///< inertial, in which phi counts: see AspectFrame
+  bool geometry = true;                        ///< the columns of geometry
+  std::optional<Photometry> photometry;        ///< the columns magnitude and area_m2
+  double exposure_s = 0.0;                     ///< times are the middles of exposures that last so long
+  unsigned threads = 0;                        ///< 0: all
+};
+
+/// A column of what is seen; each value belongs to an instant.
+struct ObservedColumn {
+  std::string name;  ///< with its unit: "range_m"
+  std::vector<double> values;
+};
+
+/// What an observer sees at instants of reception, in any order: `sight_of` gives the sight at each of them, also of
+/// those within an exposure if there is one. The state is that at emission. An exposure sums the light over its span,
+/// by Gauss's quadrature with 4 points at least for each 0.2 rad that the body turns; the geometry is that of its
+/// middle. Throws InputError where the motion or a trajectory does not hold an instant.
+std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const Instant> receptions,
+                                    const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
+                                    const ObservationOptions& options);
+
+/// The names of the columns that observe() gives, in order.
+std::vector<std::string> observed_columns(const ObservationOptions& options);
+
+}  // namespace polhode

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "polhode/observe/observation.hpp"
+#include "polhode/read/text_file.hpp"
+#include "polhode/read/trajectory_file.hpp"
+#include "polhode/session/body_in_motion.hpp"
+
+namespace polhode {
+
+/// Who looks at what, as the program and the Python package are told it.
+struct SkyRequest {
+  Place target, observer = TheGeocentre{}, sun = TheSun{};
+};
+
+/// The motion as observe() wants it.
+ObservedMotion observed_motion(const BodyInMotion& moving);
+
+/// The place that a text names: "geocentre" (or "geocenter"), "sun", or a file of a trajectory as
+/// read_centred_trajectory() takes it. `request.centre` is that of a file which names none.
+Place named_place(const std::string& text, const TrajectoryRequest& request,
+                  const ContentOf& content_of = read_text_file);
+
+/// "LONGITUDE LATITUDE HEIGHT" of a place on the Earth in deg, deg and m, between blanks or commas; throws InputError.
+Site parse_site(const std::string& text, const EarthOrientation& earth);
+
+/// The shape that a text names: "A B C unit", an ellipsoid with these semi-axes along the body's x, y, z, or a file of
+/// a mesh, whose unit of length must be given. Throws InputError, FileError.
+std::shared_ptr<const Shape> named_shape(const std::string& text, const std::string& mesh_unit,
+                                         const ContentOf& content_of = read_text_file);
+
+/// What is seen at these instants. Throws InputError where a scene's motion does not hold them, besides what observe()
+/// throws.
+std::vector<ObservedColumn> observe(const BodyInMotion& moving, const SkyRequest& sky,
+                                    std::span<const Instant> receptions, const ObservationOptions& options);
+
+/// The same of a target whose astrometric direction from the geocentre and distance are known at each instant.
+struct KnownDirection {
+  double right_ascension_rad, declination_rad, range_m;
+};
+std::vector<ObservedColumn> observe(const BodyInMotion& moving, std::span<const KnownDirection> directions,
+                                    std::span<const Instant> receptions, const ObservationOptions& options);
+
+}  // namespace polhode
