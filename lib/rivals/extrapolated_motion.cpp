@@ -97,7 +97,7 @@ class ExtrapolatedMotion::Method {
     const Vector m = y.tail<3>(), omega = m.cwiseQuotient(moments_);
     // q leaves unit length by rounding and by the error of a substep; the torque must not feel that.
     const TorqueTerms<Real> terms =
-        torques_.at(surroundings, Matrix3Of<Real>(q.normalized().toRotationMatrix()), moments_);
+        torques_.at(surroundings, Matrix3Of<Real>(q.normalized().toRotationMatrix()), moments_, omega);
     const Vector turning = m.cross(omega), turn = omega + terms.relaxation * turning;
     const Eigen::Quaternion<Real> dq = q * Eigen::Quaternion<Real>(0, turn[0], turn[1], turn[2]);
     Values result;

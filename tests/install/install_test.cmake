@@ -44,9 +44,16 @@ if(NOT found STREQUAL "0.00342 rad\n")
   message(FATAL_ERROR "the consumer found ${found}")
 endif()
 
+# Envisat's third axis, from Euler's equations in named axes by scipy's DOP853 to 1e-12.
+execute_process(COMMAND ${build}/own_torque ${SOURCE_DIR}/data/bodies/envisat.toml
+  OUTPUT_VARIABLE found COMMAND_ERROR_IS_FATAL ANY)
+if(NOT found STREQUAL "+0.782501 +0.415181 -0.464023, good to 1e-8 rad\n")
+  message(FATAL_ERROR "the consumer found ${found}")
+endif()
+
 # README and manual show these very programs.
 foreach(shown "main.cpp;README.md" "batch.cpp;tools/manual/numerical-analysis.md"
-    "partials.cpp;tools/manual/partials.md")
+    "partials.cpp;tools/manual/partials.md" "own_torque.cpp;tools/manual/library.md")
   list(GET shown 0 program)
   list(GET shown 1 page)
   file(READ ${SOURCE_DIR}/${page} text)

@@ -128,6 +128,7 @@ to_periapsis = [1.0, 0.0, 0.0]
 normal = [0.0, 0.3, 1.0]
 """
 TORQUES = {
+    "aerodynamic": '[[torque]]\nkind = "aerodynamic"\nmesh = "box.obj"\nunit_m = 0.5\ncentre_of_mass = [0.1, 0.2, 0.3]\naccommodation = 0.9\nrebound_speed = 0.1\norbit = "earth"\ndensity_kg_m3 = 1e-13\ndistance_m = 7.1e6\nscale_height_m = 9e4\nturn_rad_s = 7.3e-5\nturn_axis = [0, 0, 1]\n',
     "sunlight": '[[torque]]\nkind = "sunlight"\nmesh = "box.obj"\nunit_m = 0.5\ncentre_of_mass = "mesh centroid"\nspecular = 0.3\ndiffuse = 0.2\norbit = "earth"\n',
     "pulses": '[[torque]]\nkind = "thruster pulse"\ntorque_n_m = [1e-4, -2e-4, 3e-4]\nstart_s = 60.0\nduration_s = 20.0\n'
     '[[torque]]\nkind = "constant"\ntorque_n_m = [1e-7, 2e-7, 3e-7]\naxes = "frame"\n',

@@ -28,7 +28,11 @@ const std::map<std::string, std::string, std::less<>>& samples() {
       {"internal dissipation", "quality_factor = 100"},
       {"sunlight", "mesh = '" POLHODE_DATA_DIR
                    "/samples/mesh/box.obj'\nunit_m = 1\ncentre_of_mass = 'mesh origin'\nspecular = 0.3\ndiffuse = 0.5\n"
-                   "orbit = 'sun'"}};
+                   "orbit = 'sun'\nshadow_orbit = 'earth'\nshadow_radius_m = 6.378e6"},
+      {"aerodynamic", "mesh = '" POLHODE_DATA_DIR
+                      "/samples/mesh/box.obj'\nunit_m = 1\ncentre_of_mass = [0.3, 0.1, -0.2]\naccommodation = 0.9\n"
+                      "rebound_speed = 0.1\norbit = 'earth'\ndensity_kg_m3 = 1e-12\ndistance_m = 7.2e6\n"
+                      "scale_height_m = 1e5\nturn_rad_s = 7.292115e-5\nturn_axis = [0, 0, 2]"}};
   return all;
 }
 

@@ -126,17 +126,25 @@ TEST(EdgeCorrections, IntegrateAPartThatSetsInOrEnds) {
   for (const double sign : {1.0, -1.0}) {
     for (int i = 1; i < 40; ++i) {
       const double edge = i / 40.0, h = 0.5;  // the edge at this part of the step
-      const auto cosine = [&](double x) { return sign * std::sin(h * (x - edge)); };
-      const auto per_cosine = [&](double x) { return Vector3(std::cos(h * x), 1.0, std::exp(-h * x)); };
-      std::array<std::vector<Torques::Edge>, 5> edges;
-      std::array<Eigen::Matrix<double, 4, 3>, 5> columns;
+      // A stream that turns about z, and another one that never leaves its facet.
+      const std::vector<FacetNormal> edges{
+          {sign * Vector3::UnitY(), {0.1, 0.2, 0.3}, {0.5, -0.3, 0.2}, {1.0, 2.0, 3.0}},
+          {Vector3::UnitX(), {1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}, {1.0, 1.0, 1.0}}};
+      const auto from_body = [&](double x) { return Vector3(std::cos(h * (x - edge)), std::sin(h * (x - edge)), 0.0); };
+      const auto pressure = [&](double x) { return std::exp(-h * x); };
+      const auto cosine = [&](double x) { return edges[0].normal.dot(from_body(x)); };
+      const auto per_cosine = [&](double x) {
+        return Vector3(-pressure(x) *
+                       (edges[0].along_m3.cross(from_body(x)) + cosine(x) * edges[0].square_m3 + edges[0].linear_m3));
+      };
+      std::array<EdgeCorrections::Place, 5> places;
       for (std::size_t j = 0; j < 5; ++j) {
         const double x = 0.25 * static_cast<double>(j);
-        edges[j] = {{cosine(x), per_cosine(x)}, {1.0, Vector3::Ones()}};
-        columns[j] << Matrix3::Identity(), 2.0, 0.0, 0.0;
+        places[j].streams = {{from_body(x), pressure(x), edges}, {from_body(x), 0.0, edges}};
+        places[j].columns << Matrix3::Identity(), 2.0, 0.0, 0.0;
       }
       EdgeCorrections corrections;
-      ASSERT_TRUE(corrections.find(edges, columns, h));
+      ASSERT_TRUE(corrections.find(places, h));
       Vector3 exact = Vector3::Zero(), stages = Vector3::Zero();
       constexpr int count = 20000;
       for (int j = 0; j < count; ++j) {

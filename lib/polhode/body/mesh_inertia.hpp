@@ -14,6 +14,9 @@ namespace polhode {
 struct TriangleMesh {
   std::vector<Vector3> vertices;
   std::vector<std::array<std::uint32_t, 3>> facets;
+  /// What the surface of each facet is called, by index; both empty in meshes without such names.
+  std::vector<std::string> surface_names;
+  std::vector<std::uint32_t> surface_of_facet;
 };
 
 /// Mass properties of a solid of density 1, in the axes and the length unit of its mesh.

@@ -125,6 +125,11 @@ bool applies(const FreeBody& body, const Torques& torques, const KickedOptions& 
   for (const double jump_s : torques.jumps_s()) {
     if (options.first_s < jump_s && jump_s < options.last_s) return false;
   }
+  // An eclipse, and a function that may depend on the rate, would leave it of the first order.
+  if (!torques.times_of_kinks_s(options.first_s, options.last_s).empty()) return false;
+  for (const Torque& torque : torques.list()) {
+    if (std::holds_alternative<OwnTorque>(torque)) return false;
+  }
   for (double t_s = options.first_s; t_s <= options.last_s;) {
     const double scale_s = torques.time_scale_s(t_s);
     if (!(scale_s * rate >= kSlowest_rad)) return false;

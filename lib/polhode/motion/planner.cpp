@@ -46,6 +46,11 @@ double largest_torque(const Torque& torque, double t_s, const FreeBody& body) {
       [&](const auto& one) { return one.largest(t_s, body.principal_moments, body.momentum_body.norm()); }, torque);
 }
 
+/// False for a torque of one's own that does not say how large it may be.
+bool has_bound(const Torque& torque, const FreeBody& body) {
+  return !std::holds_alternative<OwnTorque>(torque) || std::isfinite(largest_torque(torque, 0.0, body));
+}
+
 /// rad of attitude per relative change of the momentum, by the time since the change: worst of all directions, of
 /// several places on the free motion, of both directions of time. By its exact partial derivatives, then doubled; grows
 /// with time.
@@ -269,7 +274,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   for (const Torque& torque : principal.list()) {
     PlannedEffect effect;
     effect.name = torque_name(torque);
-    if (momentum > 0.0) {
+    if (momentum > 0.0 && has_bound(torque, body)) {
       double impulse = 0.0, turned_rad = 0.0;
       for (const double end_s : {first_s, last_s}) {
         if (end_s == 0.0) continue;
@@ -305,7 +310,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
     } else if (full) {
       effect.why = "everything was asked for";
     } else if (!effect.secular_rad) {
-      effect.why = "the body is at rest: any torque turns it";
+      effect.why = momentum > 0.0 ? "nobody knows how large it may be" : "the body is at rest: any torque turns it";
     } else {
       effect.why = fmt::format("may turn it by more than {:.1e} rad",
                                std::max(of_accuracy_rad, of_uncertainty_rad) - plan.dropped_rad);

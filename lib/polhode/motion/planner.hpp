@@ -16,7 +16,8 @@ struct PlannedEffect {
   std::string name;
   /// Swing within a turn: mean torque / (momentum x rate). Absent for a body at rest, which has no rate.
   std::optional<double> periodic_rad;
-  /// Bound at the end of the span, swing included: every push taken in the worst direction. Absent for a body at rest.
+  /// Bound at the end of the span, swing included: every push taken in the worst direction. Absent, as the other, for a
+  /// body at rest, and for a torque of one's own that does not say how large it may be.
   std::optional<double> secular_rad;
   bool kept = false;
   std::string why;

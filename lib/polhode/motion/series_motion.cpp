@@ -90,7 +90,10 @@ struct Parts {
     field_orbit = one.trajectory.orbit();
     dipole_t_m3 = one.dipole_t_m3 * one.dipole_axis;
   }
-  void add(const Sunlight& /*one*/) { served = false; }
+  template <class Other>
+  void add(const Other& /*one*/) {  // of which nothing but values is known
+    served = false;
+  }
 
   /// Whether all depends on one orbit.
   bool plane() const {

@@ -44,7 +44,8 @@ TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named,
   if (method_ == kAuto) method_ = SeriesMotion::serves(torques) ? kSeries : kDormandPrince;
   if (method_ == kSeries) {
     if (!SeriesMotion::serves(torques)) {
-      throw InputError("a torque here has no series: facets in sunlight, or the currents of several fields");
+      throw InputError(
+          "a torque here has no series: one on facets, a function of your own, or the currents of several fields");
     }
     engine_ = std::make_shared<const SeriesMotion>(body, torques, how);
   } else if (method_ == kDormandPrince) {

@@ -63,6 +63,7 @@ TriangleMesh read_obj(std::string_view content, const std::string& name) {
   Lines lines(content, name);
   std::vector<std::string_view> words;
   std::vector<std::uint32_t> corners;
+  std::uint32_t surface = 0;
   while (lines.next(words)) {
     if (words.empty()) continue;
     if (words[0] == "v") {
@@ -81,8 +82,18 @@ TriangleMesh read_obj(std::string_view content, const std::string& name) {
         corners.push_back(static_cast<std::uint32_t>(from_zero));
       }
       add_polygon(mesh, corners);
-    }  // everything else (names, normals, materials, comments) says nothing about the solid
+      mesh.surface_of_facet.resize(mesh.facets.size(), surface);
+    } else if (words[0] == "usemtl") {
+      const std::string name_of_surface(words.size() > 1 ? words[1] : "");
+      std::vector<std::string>& names = mesh.surface_names;
+      const auto known = std::find(names.begin(), names.end(), name_of_surface);
+      surface = static_cast<std::uint32_t>(known - names.begin());
+      if (known == names.end()) names.push_back(name_of_surface);
+      // Facets before the first name have none.
+      if (names.size() == 1 && !mesh.facets.empty()) names.insert(names.begin(), ""), surface = 1;
+    }  // everything else (names, normals, comments) says nothing about the solid or its surface
   }
+  if (mesh.surface_names.empty()) mesh.surface_of_facet.clear();
   return mesh;
 }
 

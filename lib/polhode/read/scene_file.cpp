@@ -84,6 +84,18 @@ OrbitsByName read_orbits(const TomlTable& root, const Scene& scene, const std::f
   return orbits;
 }
 
+SurfacesByName read_surfaces(const TomlTable& root) {
+  SurfacesByName surfaces;
+  if (!root.has("surface")) return surfaces;
+  const TomlTable tables = root.table("surface");
+  for (const std::string& name : tables.keys()) {
+    const TomlTable table = tables.table(name);
+    check_surface(table);
+    surfaces.emplace(name, table);
+  }
+  return surfaces;
+}
+
 }  // namespace
 
 bool is_scene(std::string_view text) {
@@ -112,8 +124,8 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
     throw InputError({path, 0}, no_scene);
   const TomlTable root = TomlTable::parse(content, path);
   if (root.has("inertia") || root.has("state") || root.has("spin")) throw InputError({path, 0}, no_scene);
-  root.allow_only(
-      {"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit", "torque"});
+  root.allow_only({"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit",
+                   "surface", "torque"});
   Scene scene;
   scene.name = root.text("name");
   scene.source = root.text("source");
@@ -157,7 +169,8 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
                  [&] { set_period_uncertainty(scene.body, root.positive_number("period_uncertainty")); });
   }
   const OrbitsByName orbits = read_orbits(root, scene, folder, content_of);
-  const TorqueSurroundings surroundings{scene.body, orbits, folder, content_of};
+  const SurfacesByName surfaces = read_surfaces(root);
+  const TorqueSurroundings surroundings{scene.body, orbits, surfaces, folder, content_of};
   std::vector<Torque> torques;
   for (const TomlTable& table : root.tables("torque")) {
     torques.push_back(read_torque(table, surroundings));

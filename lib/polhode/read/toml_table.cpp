@@ -233,6 +233,11 @@ bool TomlTable::is_number(std::string_view key) const {
   return value != nullptr && value->is_number();
 }
 
+bool TomlTable::is_array(std::string_view key) const {
+  const toml::node* value = node_->table->get(key);
+  return value != nullptr && value->is_array();
+}
+
 std::optional<std::string> TomlTable::optional_text(std::string_view key) const {
   const toml::node* value = node_->table->get(key);
   if (value == nullptr) return std::nullopt;

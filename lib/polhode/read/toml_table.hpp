@@ -23,6 +23,7 @@ class TomlTable {
 
   bool has(std::string_view key) const;
   bool is_number(std::string_view key) const;
+  bool is_array(std::string_view key) const;
   std::vector<std::string> keys() const;
   /// Refuses any key that is not among these.
   void allow_only(std::span<const std::string_view> keys) const;

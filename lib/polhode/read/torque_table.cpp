@@ -23,23 +23,26 @@ int TorqueTable::choice(std::string_view key, const std::array<std::string_view,
   throw table_.error(key, fmt::format("found '{:.40}'; allowed: '{}' or '{}'", found, texts[0], texts[1]));
 }
 
-const OrbitAboutMass& TorqueTable::orbit() const {
-  const std::string name = table_.text("orbit");
+const OrbitAboutMass& TorqueTable::orbit(std::string_view key) const {
+  const std::string name = table_.text(key);
   const auto found = surroundings_.orbits.find(name);
   if (found == surroundings_.orbits.end()) {
-    throw table_.error("orbit", fmt::format("found '{:.40}', but the scene has no table [orbit.{:.40}]", name, name));
+    throw table_.error(key, fmt::format("found '{:.40}', but the scene has no table [orbit.{:.40}]", name, name));
   }
   return found->second;
 }
 
 Vector3 TorqueTable::centre_of_mass(const TriangleMesh& mesh) const {
   constexpr std::string_view choices =
-      "'mesh origin' (the mesh's coordinates count from the centre of mass) or 'mesh centroid' (the mesh is moved to "
-      "where the centre of mass of a solid of one density is)";
+      "'mesh origin' (the mesh's coordinates count from the centre of mass), 'mesh centroid' (the mesh is moved to "
+      "where the centre of mass of a solid of one density is), or where it is, [x, y, z] in the mesh's coordinates";
   if (!table_.has("centre_of_mass")) {
     throw table_.error("centre_of_mass", fmt::format("this key is missing; it says {}", choices));
   }
+  // A body with plates is no solid.
+  if (table_.is_array("centre_of_mass")) return table_.vector3("centre_of_mass");
   const std::string choice = table_.text("centre_of_mass");
+  if (choice == "mesh origin" && !surfaces_are_alike(mesh)) return Vector3::Zero();
   const MassProperties solid = table_.located("mesh", [&] { return mass_properties(mesh); });  // refuses what is open
   if (choice == "mesh origin") return Vector3::Zero();
   if (choice == "mesh centroid") return solid.centre_of_mass;
@@ -53,6 +56,33 @@ TriangleMesh TorqueTable::mesh_from_centre_of_mass_m() const {
   const Vector3 centre = centre_of_mass(mesh);
   for (Vector3& vertex : mesh.vertices) vertex = unit_m * (vertex - centre);
   return mesh;
+}
+
+bool TorqueTable::surfaces_are_alike(const TriangleMesh& mesh) const {
+  return mesh.surface_names.empty() || table_.has("specular") || table_.has("accommodation");
+}
+
+const TomlTable& TorqueTable::surface_of(const TriangleMesh& mesh, std::size_t facet) const {
+  const std::string& name = mesh.surface_names[mesh.surface_of_facet[facet]];
+  const auto found = surroundings_.surfaces.find(name);
+  if (found == surroundings_.surfaces.end()) {
+    throw table_.error("mesh", fmt::format("facet {} has the surface '{:.40}', but the scene has no table "
+                                           "[surface.{:.40}], and the torque does not say what all are like",
+                                           facet + 1, name, name));
+  }
+  return found->second;
+}
+
+void check_surface(const TomlTable& table) {
+  table.allow_only({"sides", "specular", "diffuse", "accommodation", "rebound_speed"});
+  surface_has_two_sides(table);
+}
+
+bool surface_has_two_sides(const TomlTable& table) {
+  if (!table.has("sides")) return false;
+  const double sides = table.number("sides");
+  if (sides != 1.0 && sides != 2.0) throw table.error("sides", fmt::format("found {}, 1 or 2 is wanted", sides));
+  return sides == 2.0;
 }
 
 double TorqueTable::momentum() const { return momentum_principal(surroundings_.body).norm(); }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+#include <span>
 #include <string_view>
 
 #include "polhode/base/geometry.hpp"
@@ -39,22 +41,29 @@ struct OrbitState {
   Vector3Of<Real> position_m, velocity_m_s;
 };
 
-/// Where a torque is asked for: the rotation v_inertial = R v_principal, and the body's place on the torque's
-/// trajectory (null for a torque that has none).
+/// Where a torque is asked for: the rotation v_inertial = R v_principal, the body's place on the torque's trajectory
+/// and on its second one (null for a torque that has none), the time, and the body's rate in the principal axes (NaN
+/// where nobody knows it: only a torque of one's own asks for it).
 template <class Real>
 struct TorquePlace {
   Matrix3Of<Real> inertial_from_body;
   const OrbitState<Real>* orbit = nullptr;
+  const OrbitState<Real>* second_orbit = nullptr;
+  Real t_s = 0;
+  Vector3Of<Real> omega_rad_s = Vector3Of<Real>::Constant(std::numeric_limits<Real>::quiet_NaN());
 
   Vector3Of<Real> to_body(const Vector3Of<Real>& v_inertial) const {
     return inertial_from_body.transpose() * v_inertial;
   }
 };
 
-/// See Torques::edges().
-struct TorqueEdge {
-  double cosine;
-  Vector3 torque_per_cosine;
+struct FacetNormal;
+
+/// See Torques::streams().
+struct TorqueStream {
+  Vector3 from_body;   ///< unit vector to where it comes from, body axes
+  double pressure_pa;  ///< 0: it is not there
+  std::span<const FacetNormal> edges;
 };
 
 /// Throws InputError "`what` is …, a finite one is wanted" if an element is NaN or infinite.

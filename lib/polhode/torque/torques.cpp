@@ -98,7 +98,14 @@ std::string_view torque_name(const Torque& torque) {
   return std::visit([](const auto& one) { return std::string_view(one.name); }, torque);
 }
 
-Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), orbit_of_torque_(torques_.size(), kNone) {
+std::size_t Torques::index_of(const Trajectory& trajectory) {
+  const auto known = std::find(trajectories_.begin(), trajectories_.end(), trajectory);
+  const auto index = static_cast<std::size_t>(known - trajectories_.begin());
+  if (known == trajectories_.end()) trajectories_.push_back(trajectory);
+  return index;
+}
+
+Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), orbits_of_torque_(torques_.size()) {
   for (std::size_t i = 0; i < torques_.size(); ++i) {
     std::visit(
         [&](const auto& one) {
@@ -107,11 +114,15 @@ Torques::Torques(std::vector<Torque> torques) : torques_(std::move(torques)), or
           } catch (const InputError& problem) {
             throw InputError(fmt::format("{}: {}", one.name, problem.what()));
           }
-          if constexpr (requires { one.trajectory; }) {
-            const auto known = std::find(trajectories_.begin(), trajectories_.end(), one.trajectory);
-            orbit_of_torque_[i] = static_cast<std::size_t>(known - trajectories_.begin());
-            if (known == trajectories_.end()) trajectories_.push_back(one.trajectory);
-          }
+          const auto index = [&](const auto& trajectory) {
+            if constexpr (requires { trajectory.value(); }) {
+              return trajectory ? index_of(*trajectory) : kNone;
+            } else {
+              return index_of(trajectory);
+            }
+          };
+          if constexpr (requires { one.trajectory; }) orbits_of_torque_[i].first = index(one.trajectory);
+          if constexpr (requires { one.second_trajectory; }) orbits_of_torque_[i].second = index(one.second_trajectory);
         },
         torques_[i]);
   }
@@ -145,10 +156,31 @@ bool Torques::smooth() const {
   return std::none_of(torques_.begin(), torques_.end(), [](const Torque& torque) {
     return std::visit(
         [](const auto& one) {
-          return requires { one.has_kinks; };
+          if constexpr (requires { one.has_kinks(); }) {
+            return one.has_kinks();
+          } else {
+            return false;
+          }
         },
         torque);
   });
+}
+
+std::vector<double> Torques::times_of_kinks_s(double first_s, double last_s) const {
+  std::vector<double> times_s;
+  for (const Torque& torque : torques_) {
+    std::visit(
+        [&](const auto& one) {
+          if constexpr (requires { one.times_of_kinks_s(first_s, last_s); }) {
+            const std::vector<double> more_s = one.times_of_kinks_s(first_s, last_s);
+            times_s.insert(times_s.end(), more_s.begin(), more_s.end());
+          }
+        },
+        torque);
+  }
+  std::sort(times_s.begin(), times_s.end());
+  times_s.erase(std::unique(times_s.begin(), times_s.end()), times_s.end());
+  return times_s;
 }
 
 double Torques::cost_of_evaluation() const {
@@ -163,15 +195,17 @@ double Torques::cost_of_evaluation() const {
   return cost;
 }
 
-void Torques::edges(const Surroundings<double>& surroundings, const Matrix3& inertial_from_body,
-                    std::vector<Edge>& edges) const {
-  edges.clear();
-  TorquePlace<double> place{inertial_from_body};
+void Torques::streams(const Surroundings<double>& surroundings, const Matrix3& inertial_from_body,
+                      std::vector<TorqueStream>& streams) const {
+  streams.clear();
+  TorquePlace<double> place{inertial_from_body, nullptr, nullptr, surroundings.t_s};
   for (std::size_t i = 0; i < torques_.size(); ++i) {
-    place.orbit = orbit_of_torque_[i] == kNone ? nullptr : &surroundings[orbit_of_torque_[i]];
+    set_orbits(i, surroundings, place);
     std::visit(
         [&](const auto& one) {
-          if constexpr (requires { one.add_edges(place, edges); }) one.add_edges(place, edges);
+          if constexpr (requires { one.stream_at(place); }) {
+            if (one.has_edges()) streams.push_back(one.stream_at(place));
+          }
         },
         torques_[i]);
   }

@@ -7,11 +7,13 @@
 #include <variant>
 #include <vector>
 
+#include "polhode/torque/aerodynamic.hpp"
 #include "polhode/torque/constant_torque.hpp"
 #include "polhode/torque/eddy_currents.hpp"
 #include "polhode/torque/gravity_gradient.hpp"
 #include "polhode/torque/internal_dissipation.hpp"
 #include "polhode/torque/linear_damping.hpp"
+#include "polhode/torque/own_torque.hpp"
 #include "polhode/torque/sunlight.hpp"
 #include "polhode/torque/thruster_pulse.hpp"
 
@@ -28,10 +30,11 @@ namespace polhode {
 ///     add(place, moments, terms)   its part of TorqueTerms; or, for a torque that jumps in time and is constant
 ///     between, jumps_s(), during(inside_s)  its jumps, and what it is between two of them: nothing, or another torque
 ///
-/// If it has a `trajectory`, `place` says where the body is on it. `has_kinks` and cost_of_evaluation() (beside that of
-/// a gravity gradient, 1) may be left out.
+/// If it has a `trajectory`, `place` says where the body is on it, and likewise for a `second_trajectory`. May be left
+/// out: has_kinks(), times_of_kinks_s(first_s, last_s), cost_of_evaluation() (beside that of a gravity gradient, 1),
+/// and for a kind that no scene can state, `keys` and read().
 using Torque = std::variant<GravityGradient, ConstantTorque, ThrusterPulse, LinearDamping, EddyCurrents,
-                            InternalDissipation, Sunlight>;
+                            InternalDissipation, Sunlight, Aerodynamic, OwnTorque>;
 
 template <class One>
 concept JumpingTorque = requires(const One& one) {
@@ -42,7 +45,6 @@ template <class One>
 concept TorqueKind = requires(const One& one, const Matrix3& rotation, const Vector3& moments,
                               TorqueTerms<double>& terms) {
   { One::name } -> std::convertible_to<std::string_view>;
-  {std::string_view(One::keys[0])};
   { One::needs_absolute_inertia } -> std::convertible_to<bool>;
   one.check();
   { one.turned(rotation) } -> std::convertible_to<One>;
@@ -50,22 +52,33 @@ concept TorqueKind = requires(const One& one, const Matrix3& rotation, const Vec
   requires JumpingTorque<One> || requires { one.add(TorquePlace<double>{}, moments, terms); };
 };
 
+/// One that a scene can state.
+template <class One>
+concept TorqueOfScenes = requires {
+  {std::string_view(One::keys[0])};
+};
+
 /// Whether a kind that is read with an orbit has the member `trajectory`, by which `place.orbit` is found.
 template <class One>
 constexpr bool has_its_trajectory() {
-  for (const std::string_view key : One::keys) {
-    if (key == "orbit") return requires(One one) {
-        one.trajectory;
-      };
+  if constexpr (TorqueOfScenes<One>) {
+    for (const std::string_view key : One::keys) {
+      if (key == "orbit") return requires(One one) {
+          one.trajectory;
+        };
+    }
   }
   return true;
 }
 
-/// Calls visit.template operator()<One>() for each kind of torque, in the order above.
+/// Calls visit.template operator()<One>() for each kind of torque that a scene can state, in the order above.
 template <class Visit>
 void for_each_torque_kind(const Visit& visit) {
+  const auto one = [&]<class Kind>(std::type_identity<Kind>) {
+    if constexpr (TorqueOfScenes<Kind>) visit.template operator()<Kind>();
+  };
   [&]<class... Kinds>(std::type_identity<std::variant<Kinds...>>) {
-    (visit.template operator()<Kinds>(), ...);
+    (one(std::type_identity<Kinds>{}), ...);
   }(std::type_identity<Torque>{});
 }
 static_assert([]<class... Kinds>(std::type_identity<std::variant<Kinds...>>) {
@@ -90,26 +103,32 @@ class Torques {
   /// bit for bit what they were. Throws InputError for a matrix that is no rotation.
   Torques in_principal_axes(const Matrix3& named_from_principal) const;
 
-  /// Whatever the attitude: the body's place on each trajectory at one time (seconds on the body's clock).
+  /// Whatever the attitude: a time (seconds on the body's clock), and the body's place on each trajectory then.
   static constexpr std::size_t kMostTrajectories = 8;
   template <class Real>
-  using Surroundings = std::array<OrbitState<Real>, kMostTrajectories>;
+  struct Surroundings {
+    Real t_s = 0;
+    std::array<OrbitState<Real>, kMostTrajectories> orbits;  // as many as there are trajectories count
+  };
   template <class Real>
   Surroundings<Real> surroundings(Real t_s) const {
-    Surroundings<Real> orbits;  // as many as there are trajectories count
-    for (std::size_t i = 0; i < trajectories_.size(); ++i) orbits[i] = trajectories_[i].state(t_s);
-    return orbits;
+    Surroundings<Real> now;
+    now.t_s = t_s;
+    for (std::size_t i = 0; i < trajectories_.size(); ++i) now.orbits[i] = trajectories_[i].state(t_s);
+    return now;
   }
 
-  /// The sum in these surroundings at an attitude (v_inertial = R v_principal), for a body of these principal moments;
-  /// of torques in principal axes. Those that jump in time are left out: see during().
+  /// The sum in these surroundings at an attitude (v_inertial = R v_principal), for a body of these principal moments
+  /// with this rate (left out, torques of one's own do not know it); of torques in principal axes. Those that jump in
+  /// time are left out: see during().
   template <class Real>
   TorqueTerms<Real> at(const Surroundings<Real>& surroundings, const Matrix3Of<Real>& inertial_from_body,
-                       const Vector3Of<Real>& moments) const {
-    TorquePlace<Real> place{inertial_from_body};
+                       const Vector3Of<Real>& moments,
+                       const Vector3Of<Real>& omega_rad_s = TorquePlace<Real>{}.omega_rad_s) const {
+    TorquePlace<Real> place{inertial_from_body, nullptr, nullptr, surroundings.t_s, omega_rad_s};
     TorqueTerms<Real> terms;
     for (std::size_t i = 0; i < torques_.size(); ++i) {
-      place.orbit = orbit_of_torque_[i] == kNone ? nullptr : &surroundings[orbit_of_torque_[i]];
+      set_orbits(i, surroundings, place);
       std::visit(
           [&](const auto& one) {
             if constexpr (!JumpingTorque<std::decay_t<decltype(one)>>) one.add(place, moments, terms);
@@ -120,8 +139,9 @@ class Torques {
   }
   /// The same at time t and attitude q (unit; v_inertial = q v_principal q*).
   template <class Real>
-  TorqueTerms<Real> at(Real t_s, const Eigen::Quaternion<Real>& q, const Vector3Of<Real>& moments) const {
-    return at(surroundings(t_s), Matrix3Of<Real>(q.toRotationMatrix()), moments);
+  TorqueTerms<Real> at(Real t_s, const Eigen::Quaternion<Real>& q, const Vector3Of<Real>& moments,
+                       const Vector3Of<Real>& omega_rad_s = TorquePlace<Real>{}.omega_rad_s) const {
+    return at(surroundings(t_s), Matrix3Of<Real>(q.toRotationMatrix()), moments, omega_rad_s);
   }
 
   /// How fast the surroundings change at time t: the least r/v of the trajectories, infinite without one. A step that
@@ -136,19 +156,25 @@ class Torques {
   /// Whether no torque has kinks in time or attitude.
   bool smooth() const;
 
+  /// Times within a span, ascending, at which a torque has a kink whatever the attitude: where an eclipse begins or
+  /// ends.
+  std::vector<double> times_of_kinks_s(double first_s, double last_s) const;
+
   /// What one evaluation costs, in evaluations of a gravity gradient, roughly.
   double cost_of_evaluation() const;
 
-  /// A part of the torque that is there only while its cosine is above 0: torque = cosine x torque_per_cosine, which is
-  /// smooth on both sides. At its edge the whole has a kink.
-  using Edge = TorqueEdge;
-  /// All such parts, in the same order at every place, in principal axes; none of torques that have too many of them
-  /// (Sunlight::kMostEdges), or do not tell. Replaces what `edges` holds.
-  void edges(const Surroundings<double>& surroundings, const Matrix3& inertial_from_body,
-             std::vector<Edge>& edges) const;
+  /// The streams on facets at a place, in principal axes: of light, of air. A stream from s makes a kink at each of its
+  /// edges, where c = n . s changes its sign: the torque is smooth but for the part of all normals together
+  ///
+  ///     pressure x (sum, where c > 0, of -c (along x s + c square + linear))
+  ///
+  /// In the same order at every place; none of torques that have too many edges (Facets::kMostEdges). Replaces what
+  /// `streams` holds; its edges live as long as these torques.
+  void streams(const Surroundings<double>& surroundings, const Matrix3& inertial_from_body,
+               std::vector<TorqueStream>& streams) const;
   bool has_edges() const;
 
-  /// The same torques, those that have tables by them (Sunlight::with_table()), and after how many evaluations it pays.
+  /// The same torques, those that have tables by them (Facets::with_table()), and after how many evaluations it pays.
   Torques with_tables() const;
   double evaluations_for_tables() const;
 
@@ -157,10 +183,21 @@ class Torques {
   const std::vector<Torque>& list() const { return torques_; }
 
  private:
+  static constexpr auto kNone = static_cast<std::size_t>(-1);
+  struct Orbits {  // of a torque: its trajectories, or kNone
+    std::size_t first = kNone, second = kNone;
+  };
+  std::size_t index_of(const Trajectory& trajectory);
+  template <class Real>
+  void set_orbits(std::size_t torque, const Surroundings<Real>& surroundings, TorquePlace<Real>& place) const {
+    const auto [first, second] = orbits_of_torque_[torque];
+    place.orbit = first == kNone ? nullptr : &surroundings.orbits[first];
+    place.second_orbit = second == kNone ? nullptr : &surroundings.orbits[second];
+  }
+
   std::vector<Torque> torques_;
   std::vector<Trajectory> trajectories_;
-  static constexpr auto kNone = static_cast<std::size_t>(-1);
-  std::vector<std::size_t> orbit_of_torque_;  // its trajectory, or kNone
+  std::vector<Orbits> orbits_of_torque_;
 };
 
 /// Between two neighbouring jumps: the torques at work, none of which jumps.

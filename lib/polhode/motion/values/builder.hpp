@@ -17,9 +17,10 @@ namespace values {
 /// Found on the torqued bodies of data/truth, on random ones and on boxes in sunlight.
 struct Tuning {
   // Runs.
-  static constexpr double first_run = 15.0;  // its estimated errors, all added up, in tolerances
-  static constexpr double finer = 0.1;       // of the second run
-  static constexpr double aim = 0.5;         // of the tolerance, of further ones
+  static constexpr double first_run = 15.0;         // its estimated errors, all added up, in tolerances
+  static constexpr double many_turns_rad = 2000.0;  // over more, less
+  static constexpr double finer = 0.1;              // of the second run
+  static constexpr double aim = 0.5;                // of the tolerance, of further ones
   static constexpr int most_runs = 7;
   // What is claimed.
   static constexpr double power = 8.0 / 7.0;  // of the estimated errors, by which the errors of a run fall
@@ -39,6 +40,8 @@ struct Tuning {
   static constexpr double first_turn_rad = 0.1, longest_turn_rad = 2.5;
   static constexpr double time_scale_share = 0.7;  // of a step in r/v: an encounter is never stepped over
   static constexpr double small_torque = 0.1;      // beside m x omega
+  static constexpr double jump_in_steps = 1e-3;    // of the usual one: only a jump makes steps so short
+  static constexpr double jump_share = 1e-4;       // of all errors, that one jump may make
   static constexpr std::size_t steps_between_comparisons = 8, most_comparisons = 200;
 };
 
@@ -58,13 +61,15 @@ class ValueMotion::Builder {
     const double evaluations_per_s = 2.0 * dormand_prince::kStages * rate_rad_s * steps_per_rad;
     for (Path* path : {&forward_, &backward_}) {
       for (TorqueStretch& one : stretches(torques, path == &forward_ ? options.last_s : options.first_s)) {
-        Leg leg{std::move(one.torques), {}, {{one.from_s, {}, {}}, {one.to_s, {}, {}}}};
+        Leg leg{std::move(one.torques), {}, {}, {{one.from_s, {}, {}}, {one.to_s, {}, {}}}};
         const double length_s = std::abs(one.to_s - one.from_s);
         const double most = std::min(0.5 * evaluations_per_s * length_s / TrajectoryPieces::kCost, 5e4);
         for (const Trajectory& way : leg.torques.trajectories()) {
           leg.ways.emplace_back(way, std::min(one.from_s, one.to_s), std::max(one.from_s, one.to_s),
                                 static_cast<std::size_t>(most));
         }
+        leg.kinks_s = leg.torques.times_of_kinks_s(std::min(one.from_s, one.to_s), std::max(one.from_s, one.to_s));
+        if (one.to_s < one.from_s) std::reverse(leg.kinks_s.begin(), leg.kinks_s.end());
         path->push_back(std::move(leg));
       }
     }
@@ -173,13 +178,14 @@ class ValueMotion::Builder {
     if (t_s == leg_end_s) return true;
     Rates rates(body_.principal_moments, leg);
     Meetings meetings(others, repeats_);
+    auto kink_s = leg.kinks_s.begin();
     Unknowns k[dormand_prince::kStagesOfAll];
     Vector3 m = momentum(y);
     if (rates.choose_energy(m)) set_energy(rates, m, y, low);
     k[0] = rates(t_s, y);
     const std::size_t before = evaluations_;
     std::size_t next_check = 3;
-    double longest_turn_rad = 0.0;
+    double longest_turn_rad = 0.0, usual_s = 0.0;
     const bool has_edges = leg.torques.has_edges();
     EdgeCorrections corrections;
     bool whole = true;
@@ -196,7 +202,11 @@ class ValueMotion::Builder {
       const double rate_rad_s = std::max(omega.norm(), std::sqrt(torque / I[0]));
       const bool has_energy = torque < Tuning::small_torque * m.norm() * omega.norm();
 
-      const double stop_s = meetings.next_s(leg_end_s), remaining_s = std::abs(stop_s - t_s);
+      // Steps end where the other run is met, and at kinks.
+      double stop_s = meetings.next_s(leg_end_s);
+      while (kink_s != leg.kinks_s.end() && std::abs(*kink_s) <= std::abs(t_s)) ++kink_s;
+      if (kink_s != leg.kinks_s.end() && std::abs(*kink_s) < std::abs(stop_s)) stop_s = *kink_s;
+      const double remaining_s = std::abs(stop_s - t_s);
       double length_s = std::min(wanted_s, longest_ * Tuning::time_scale_share * rates.time_scale_s());
       if (rate_rad_s > 0.0) {
         const double turn_rad = leg.nodes.size() == 1 ? Tuning::first_turn_rad : longest_ * Tuning::longest_turn_rad;
@@ -230,14 +240,16 @@ class ValueMotion::Builder {
       if (has_edges) {
         Unknowns end = y + increment;
         find_edges(rates, t_s, y, h, k, end);
-        if (corrections.find(edges_, columns_, h)) {
+        if (corrections.find(places_, h)) {
           increment += corrections.increment;
           estimates.fifth += corrections.fifth, estimates.third += corrections.third;
         }
       }
       const double error = estimates.error(h, weights);
       const double rounding = Tuning::rounding_of_estimate * (rate_rad_s + torque * per_momentum);
-      const double allowed = std::max(sum_rad_ / std::abs(end_s), rounding) * std::abs(h);
+      double allowed = std::max(sum_rad_ / std::abs(end_s), rounding) * std::abs(h);
+      // At a jump of the torque the error of a step and what is allowed for it shrink alike: it is stepped over.
+      if (std::abs(h) < Tuning::jump_in_steps * usual_s) allowed = std::max(allowed, Tuning::jump_share * sum_rad_);
       phase_rad_ += rate_rad_s * std::abs(h);
       steps_at_rounding_ += rounding * std::abs(end_s) > sum_rad_;
       ++steps_;
@@ -247,6 +259,7 @@ class ValueMotion::Builder {
       if (good && std::abs(h) < free_s) wanted_s = std::max(wanted_s, free_s);
       if (!good) continue;
 
+      usual_s = std::max(std::abs(h), 0.9 * usual_s);
       const Unknowns start = y;
       add(increment, y, low);
       k[dormand_prince::kStages] = rates(to_s, y);
@@ -265,7 +278,7 @@ class ValueMotion::Builder {
         set_energy(rates, m, y, low);
         k[0] = rates(t_s, y);
       }
-      if (others != nullptr && t_s == stop_s) {
+      if (others != nullptr && t_s == meetings.next_s(leg_end_s)) {
         const Eigen::Quaterniond there(Eigen::Map<const Eigen::Vector4d>((*others)[meetings.next].q));
         const double angle = rotation_angle_rad(there.normalized(), values::attitude(y).normalized());
         if (!(angle <= difference_rad_)) difference_rad_ = angle;
@@ -284,18 +297,14 @@ class ValueMotion::Builder {
 
   /// At five places of a step, whose attitudes between the ends are those of the cubic polynomial by values and rates.
   void find_edges(const Rates& rates, double t_s, const Unknowns& y, double h, const Unknowns* k, const Unknowns& end) {
-    rates.edges(t_s, y, edges_[0], columns_[0]);
-    rates.edges(t_s + h, end, edges_[4], columns_[4]);
-    bool any = false;
-    for (std::size_t e = 0; e < edges_[0].size(); ++e)
-      any = any || (edges_[0][e].cosine > 0.0) != (edges_[4][e].cosine > 0.0);
-    if (!any) return;
+    rates.streams(t_s, y, places_[0]);
+    rates.streams(t_s + h, end, places_[4]);
     const Unknowns end_rate = rates(t_s + h, end);
     for (std::size_t i = 1; i < 4; ++i) {
       const double x = 0.25 * static_cast<double>(i), rest = 1.0 - x;
       const Unknowns between =
           rest * rest * ((1.0 + 2.0 * x) * y + x * h * k[0]) + x * x * ((1.0 + 2.0 * rest) * end - rest * h * end_rate);
-      rates.edges(t_s + x * h, between, edges_[i], columns_[i]);
+      rates.streams(t_s + x * h, between, places_[i]);
     }
   }
 
@@ -358,8 +367,7 @@ class ValueMotion::Builder {
   std::size_t steps_ = 0, steps_at_rounding_ = 0;
   double aside_ = 0.0;
   bool repeats_ = false;
-  std::array<std::vector<Torques::Edge>, 5> edges_;
-  std::array<Eigen::Matrix<double, 4, 3>, 5> columns_;
+  std::array<EdgeCorrections::Place, 5> places_;
   double evaluations_for_tables_;
   bool tabulated_ = false;
   Path forward_, backward_;  // legs with their two ends as nodes

@@ -8,6 +8,7 @@
 
 #include "polhode/motion/value_motion.hpp"
 #include "polhode/motion/values/dormand_prince.hpp"
+#include "polhode/motion/values/edge_corrections.hpp"
 #include "polhode/torque/trajectory_pieces.hpp"
 
 namespace polhode {
@@ -35,6 +36,7 @@ struct ValueMotion::Node {
 struct ValueMotion::Leg {
   Torques torques;
   std::vector<TrajectoryPieces> ways;  // of torques.trajectories()
+  std::vector<double> kinks_s;         // within it, on the way: steps end there
   std::vector<Node> nodes;
 };
 
@@ -46,11 +48,12 @@ class ValueMotion::Rates {
 
   values::Unknowns operator()(double t_s, const values::Unknowns& y) const {
     ++evaluations_;
-    for (std::size_t i = 0; i < leg_.ways.size(); ++i) around_[i] = leg_.ways[i].state(t_s, piece_[i]);
+    for (std::size_t i = 0; i < leg_.ways.size(); ++i) around_.orbits[i] = leg_.ways[i].state(t_s, piece_[i]);
+    around_.t_s = t_s;
     const Matrix3 R = rotation(y);
     const Vector3 m = R.transpose() * y.head<3>().matrix();
     Vector3 omega = m.cwiseQuotient(moments_);
-    const TorqueTerms<double> terms = leg_.torques.at(around_, R, given_moments_);
+    const TorqueTerms<double> terms = leg_.torques.at(around_, R, given_moments_, omega);
     const Vector3 torque = per_unit_ * terms.torque(omega);
     double energy_rate = 2.0 * torque.dot(m.cwiseProduct(energy_weights_));
     if (terms.relaxation != 0.0) {
@@ -95,22 +98,22 @@ class ValueMotion::Rates {
   double per_unit() const { return per_unit_; }
   std::size_t evaluations() const { return evaluations_; }
 
-  /// The edges of the torques (Torques::edges()), and what turns a torque there into the rates of the first unknowns.
-  void edges(double t_s, const values::Unknowns& y, std::vector<Torques::Edge>& edges,
-             Eigen::Matrix<double, 4, 3>& columns) const {
-    for (std::size_t i = 0; i < leg_.ways.size(); ++i) around_[i] = leg_.ways[i].state(t_s, piece_[i]);
+  /// The streams on facets (Torques::streams()), and what turns a torque there into the rates of the first unknowns.
+  void streams(double t_s, const values::Unknowns& y, EdgeCorrections::Place& place) const {
+    for (std::size_t i = 0; i < leg_.ways.size(); ++i) around_.orbits[i] = leg_.ways[i].state(t_s, piece_[i]);
+    around_.t_s = t_s;
     const Matrix3 R = rotation(y);
     const Vector3 m = R.transpose() * y.head<3>().matrix();
-    leg_.torques.edges(around_, R, edges);
-    columns.topRows<3>() = per_unit_ * R;
-    columns.row(3) = 2.0 * per_unit_ * m.cwiseProduct(energy_weights_).transpose();
+    leg_.torques.streams(around_, R, place.streams);
+    place.columns.topRows<3>() = per_unit_ * R;
+    place.columns.row(3) = 2.0 * per_unit_ * m.cwiseProduct(energy_weights_).transpose();
   }
 
   /// As Torques::time_scale_s(), of where it was last asked for the derivatives.
   double time_scale_s() const {
     double scale_s = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < leg_.ways.size(); ++i) {
-      scale_s = std::min(scale_s, around_[i].position_m.norm() / around_[i].velocity_m_s.norm());
+      scale_s = std::min(scale_s, around_.orbits[i].position_m.norm() / around_.orbits[i].velocity_m_s.norm());
     }
     return scale_s;
   }

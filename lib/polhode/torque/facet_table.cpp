@@ -1,4 +1,4 @@
-#include "polhode/torque/sunlight_table.hpp"
+#include "polhode/torque/facet_table.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,28 +16,28 @@ struct Face {
 };
 constexpr Face face_of(int i) { return {i / 2, (i / 2 + 1) % 3, (i / 2 + 2) % 3, i % 2 == 0 ? 1.0 : -1.0}; }
 
-void add_to(std::array<double, 27>& c, const SunlitNormal& one, SunlightTable::Shares shares) {
-  // -(n . s) (a X x s + (b (n . s) + d) X x n)
-  const double a = 1.0 - shares.specular, b = 2.0 * shares.specular, d = 2.0 / 3.0 * shares.diffuse;
-  const Vector3 &n = one.normal, &X = one.moment_m3, &P = one.normal_moment_m3;
+void add_to(std::array<double, 27>& c, const FacetNormal& one) {
+  // -(n . s) (A x s + (n . s) S + L)
+  const Vector3& n = one.normal;
   for (int k = 0; k < 3; ++k) {
     double* row = &c[9U * static_cast<std::size_t>(k)];
     const int i = (k + 1) % 3, j = (k + 2) % 3;
-    // (X x s)_k = X_i s_j - X_j s_i
+    // (A x s)_k = A_i s_j - A_j s_i
     double cross[3] = {0.0, 0.0, 0.0};
-    cross[j] = a * X[i], cross[i] = -a * X[j];
-    for (int p = 0; p < 3; ++p) row[p] -= d * P[k] * n[p];
-    for (int p = 0; p < 3; ++p) row[3 + p] -= n[p] * (cross[p] + b * P[k] * n[p]);
+    cross[j] = one.along_m3[i], cross[i] = -one.along_m3[j];
+    const double square = one.square_m3[k];
+    for (int p = 0; p < 3; ++p) row[p] -= one.linear_m3[k] * n[p];
+    for (int p = 0; p < 3; ++p) row[3 + p] -= n[p] * (cross[p] + square * n[p]);
     for (int p = 0; p < 3; ++p) {
       const int q = (p + 1) % 3;
-      row[6 + p] -= n[p] * cross[q] + n[q] * cross[p] + 2.0 * b * P[k] * n[p] * n[q];
+      row[6 + p] -= n[p] * cross[q] + n[q] * cross[p] + 2.0 * square * n[p] * n[q];
     }
   }
 }
 
 }  // namespace
 
-std::size_t SunlightTable::cells_along(std::size_t normals) {
+std::size_t FacetTable::cells_along(std::size_t normals) {
   std::size_t along = 4;
   // Six facets summed one by one cost about as much as the polynomial.
   while (1.2 * static_cast<double>(normals) / static_cast<double>(along) > 6.0 &&
@@ -47,15 +47,15 @@ std::size_t SunlightTable::cells_along(std::size_t normals) {
   return along;
 }
 
-double SunlightTable::cost(std::size_t normals) {
+double FacetTable::cost(std::size_t normals) {
   const double along = static_cast<double>(cells_along(normals));
   return 30.0 * along + 60.0 * along * along / static_cast<double>(normals);
 }
 
 /// From the face down to the cells, by quarters; every facet is looked at where its parents left it undecided.
-class SunlightTable::Maker {
+class FacetTable::Maker {
  public:
-  explicit Maker(SunlightTable& table) : table_(table) {}
+  explicit Maker(FacetTable& table) : table_(table) {}
 
   void make() {
     std::vector<std::uint32_t> all(table_.normals_.size());
@@ -76,7 +76,7 @@ class SunlightTable::Maker {
       const double middle = f.sign * n[f.axis] + middle_u * n[f.u] + middle_v * n[f.v];
       const double room = half * (std::abs(n[f.u]) + std::abs(n[f.v])) + kMargin;
       if (middle > room) {
-        add_to(cell.coefficients, table_.normals_[i], table_.shares_);
+        add_to(cell.coefficients, table_.normals_[i]);
       } else if (middle >= -room) {
         left.push_back(i);
       }
@@ -94,24 +94,26 @@ class SunlightTable::Maker {
     table_.cells_[(static_cast<std::size_t>(face) * table_.along_ + u) * table_.along_ + v] = cell;
   }
 
-  SunlightTable& table_;
+  FacetTable& table_;
 };
 
-SunlightTable::SunlightTable(const std::vector<SunlitNormal>& normals, Shares shares)
-    : normals_(normals), shares_(shares), along_(cells_along(normals.size())), cells_(6 * along_ * along_) {
+FacetTable::FacetTable(const std::vector<FacetNormal>& normals)
+    : normals_(normals), along_(cells_along(normals.size())), cells_(6 * along_ * along_) {
   Maker(*this).make();
-  for (const SunlitNormal& one : normals_) largest_error_m3_ += one.moment_m3.norm();
+  for (const FacetNormal& one : normals_) {
+    largest_error_m3_ += one.along_m3.norm() + one.square_m3.norm() + one.linear_m3.norm();
+  }
   largest_error_m3_ *= 16.0 * std::numeric_limits<double>::epsilon();
 }
 
-Vector3 SunlightTable::torque_m3(const Vector3& s) const {
+Vector3 FacetTable::torque_m3(const Vector3& s) const {
   const double x = std::abs(s[0]), y = std::abs(s[1]), z = std::abs(s[2]);
   const int axis = x >= y && x >= z ? 0 : (y >= z ? 1 : 2);
   const int face = 2 * axis + (s[axis] < 0.0);
   const Face f = face_of(face);
-  const double along = static_cast<double>(along_), scale = 0.5 * along / std::abs(s[axis]);
+  const double cells = static_cast<double>(along_), scale = 0.5 * cells / std::abs(s[axis]);
   const auto place = [&](int i) {
-    return static_cast<std::size_t>(std::clamp(s[i] * scale + 0.5 * along, 0.0, along - 1.0));
+    return static_cast<std::size_t>(std::clamp(s[i] * scale + 0.5 * cells, 0.0, cells - 1.0));
   };
   const Cell& cell = cells_[(static_cast<std::size_t>(face) * along_ + place(f.u)) * along_ + place(f.v)];
   const double terms[9] = {s[0],        s[1],        s[2],        s[0] * s[0], s[1] * s[1],
@@ -125,50 +127,50 @@ Vector3 SunlightTable::torque_m3(const Vector3& s) const {
     }
     sums[k] = a + b + c;
   }
-  const double share = 1.0 - shares_.specular, twice = 2.0 * shares_.specular, diffuse = 2.0 / 3.0 * shares_.diffuse;
-  double along_s[3] = {}, along_n[3] = {};
+  double along[3] = {}, rest[3] = {};
   for (std::uint32_t i = cell.first; i < cell.end; ++i) {
-    const SunlitNormal& one = normals_[edge_on_[i]];
+    const FacetNormal& one = normals_[edge_on_[i]];
     const double seen = one.normal[0] * s[0] + one.normal[1] * s[1] + one.normal[2] * s[2];
-    const double cosine = seen > 0.0 ? seen : 0.0, a = share * cosine, b = cosine * (twice * cosine + diffuse);
+    const double cosine = seen > 0.0 ? seen : 0.0;
     for (int k = 0; k < 3; ++k) {
-      along_s[k] += a * one.moment_m3[k];
-      along_n[k] += b * one.normal_moment_m3[k];
+      along[k] += cosine * one.along_m3[k];
+      rest[k] += cosine * (cosine * one.square_m3[k] + one.linear_m3[k]);
     }
   }
-  return Vector3(sums[0] - along_n[0], sums[1] - along_n[1], sums[2] - along_n[2]) -
-         Vector3(along_s[0], along_s[1], along_s[2]).cross(s);
+  return Vector3(sums[0] - rest[0], sums[1] - rest[1], sums[2] - rest[2]) -
+         Vector3(along[0], along[1], along[2]).cross(s);
 }
 
-SunlitSum::SunlitSum(const std::vector<SunlitNormal>& normals, SunlightTable::Shares shares)
-    : fours_((normals.size() + 3) / 4), shares_(shares) {
+FacetSum::FacetSum(const std::vector<FacetNormal>& normals) : fours_((normals.size() + 3) / 4) {
   for (Four& four : fours_) {
-    for (int k = 0; k < 3; ++k) four.normal[k] = four.moment_m3[k] = four.normal_moment_m3[k] = Eigen::Array4d::Zero();
+    for (int k = 0; k < 3; ++k) {
+      four.normal[k] = four.along_m3[k] = four.square_m3[k] = four.linear_m3[k] = Eigen::Array4d::Zero();
+    }
   }
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const auto lane = static_cast<Eigen::Index>(i % 4);
+    Four& four = fours_[i / 4];
     for (int k = 0; k < 3; ++k) {
-      fours_[i / 4].normal[k][lane] = normals[i].normal[k];
-      fours_[i / 4].moment_m3[k][lane] = normals[i].moment_m3[k];
-      fours_[i / 4].normal_moment_m3[k][lane] = normals[i].normal_moment_m3[k];
+      four.normal[k][lane] = normals[i].normal[k];
+      four.along_m3[k][lane] = normals[i].along_m3[k];
+      four.square_m3[k][lane] = normals[i].square_m3[k];
+      four.linear_m3[k][lane] = normals[i].linear_m3[k];
     }
   }
 }
 
-Vector3 SunlitSum::torque_m3(const Vector3& s) const {
-  const double share = 1.0 - shares_.specular, twice = 2.0 * shares_.specular, diffuse = 2.0 / 3.0 * shares_.diffuse;
-  Eigen::Array4d along_s[3], along_n[3];
-  for (int k = 0; k < 3; ++k) along_s[k] = along_n[k] = Eigen::Array4d::Zero();
+Vector3 FacetSum::torque_m3(const Vector3& s) const {
+  Eigen::Array4d along[3], rest[3];
+  for (int k = 0; k < 3; ++k) along[k] = rest[k] = Eigen::Array4d::Zero();
   for (const Four& four : fours_) {
     const Eigen::Array4d cosine = (four.normal[0] * s[0] + four.normal[1] * s[1] + four.normal[2] * s[2]).max(0.0);
-    const Eigen::Array4d a = share * cosine, b = cosine * (twice * cosine + diffuse);
     for (int k = 0; k < 3; ++k) {
-      along_s[k] += a * four.moment_m3[k];
-      along_n[k] += b * four.normal_moment_m3[k];
+      along[k] += cosine * four.along_m3[k];
+      rest[k] += cosine * (cosine * four.square_m3[k] + four.linear_m3[k]);
     }
   }
-  return -Vector3(along_s[0].sum(), along_s[1].sum(), along_s[2].sum()).cross(s) -
-         Vector3(along_n[0].sum(), along_n[1].sum(), along_n[2].sum());
+  return -Vector3(along[0].sum(), along[1].sum(), along[2].sum()).cross(s) -
+         Vector3(rest[0].sum(), rest[1].sum(), rest[2].sum());
 }
 
 }  // namespace polhode
