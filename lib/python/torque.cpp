@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nanobind/stl/shared_ptr.h>
 
 #include "polhode/base/error.hpp"
@@ -7,6 +8,7 @@
 #include "polhode/read/trajectory_file.hpp"
 #include "polhode/torque/torques.hpp"
 #include "python/objects.hpp"
+#include "python/own_torque.hpp"
 
 namespace polhode::python {
 namespace {
@@ -26,6 +28,37 @@ Trajectory table_of(const Given<Numbers>& times_s, const Given<Numbers>& positio
   if (velocities_m_s) table.velocities_m_s = rows(*velocities_m_s, "velocities");
   table.degree = degree;
   return Trajectory(TabulatedOrbit({std::move(table)}));
+}
+
+/// A number for all facets of a mesh, or one for each.
+class PerFacet {
+ public:
+  PerFacet(const Numbers& numbers, const TriangleMesh& mesh, const char* what) : numbers_(numbers) {
+    if (!numbers.shape.empty() && numbers.shape != Shape{mesh.facets.size()}) {
+      throw InputError(fmt::format("{} has the shape ({}), one number or ({},) is wanted", what,
+                                   fmt::join(numbers.shape, ", "), mesh.facets.size()));
+    }
+  }
+  double operator[](std::size_t i) const { return numbers_.data[numbers_.shape.empty() ? 0 : i]; }
+
+ private:
+  const Numbers& numbers_;
+};
+
+template <class ReboundOf>
+std::vector<Facet> facets_from(TriangleMesh mesh, const std::optional<Given<Numbers>>& centre_of_mass,
+                               const Numbers& sides, const ReboundOf& rebound) {
+  if (mesh.facets.empty()) throw InputError("the mesh has no facets");
+  const PerFacet sides_of(sides, mesh, "sides");
+  const Vector3 centre_m = centre_of_mass ? (*centre_of_mass)->vector3("centre_of_mass") : Vector3(Vector3::Zero());
+  for (Vector3& corner : mesh.vertices) corner -= centre_m;
+  std::vector<Facet> facets;
+  for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
+    if (sides_of[i] != 1.0 && sides_of[i] != 2.0) throw InputError("a facet has 1 or 2 sides");
+    facets.push_back(facet_of(mesh, i, rebound(i)));
+    if (sides_of[i] == 2.0) facets.push_back(other_side(facets.back()));
+  }
+  return facets;
 }
 
 Scene make_scene(const std::string& name, const BodyObject& body, const std::vector<Torque>& torques,
@@ -164,13 +197,73 @@ void bind_torque(nb::module_& m) {
           "turn.")
       .def_static(
           "sunlight",
-          [](const TriangleMesh& mesh, const Trajectory& orbit, double specular, double diffuse) {
-            return Torque(Sunlight(mesh, {specular, diffuse}, orbit));
+          [](const TriangleMesh& mesh, const Trajectory& orbit, const Given<Numbers>& specular,
+             const Given<Numbers>& diffuse, const std::optional<Given<Numbers>>& centre_of_mass,
+             const Given<Numbers>& sides, const std::optional<Trajectory>& shadow, double shadow_radius_m) {
+            const PerFacet mirrored(*specular, mesh, "specular"), scattered(*diffuse, mesh, "diffuse");
+            const std::vector<Facet> facets = facets_from(mesh, centre_of_mass, *sides, [&](std::size_t i) {
+              return Sunlight::rebound({mirrored[i], scattered[i]});
+            });
+            std::optional<Sunlight::Eclipsing> eclipsing;
+            if (shadow) eclipsing = {*shadow, shadow_radius_m};
+            return Torque(Sunlight(facets, orbit, std::move(eclipsing)));
           },
-          "mesh"_a, "orbit"_a, "specular"_a = 0.0, "diffuse"_a = 1.0,
-          "Pressure of light and of reflected light and heat on a mesh in metres about the centre of mass; `orbit` "
-          "from "
-          "the Sun; shares of the light mirrored and scattered.")
+          "mesh"_a, "orbit"_a, "specular"_a = 0.0, "diffuse"_a = 1.0, nb::kw_only(), "centre_of_mass"_a = nb::none(),
+          "sides"_a = 1.0, "shadow"_a = nb::none(), "shadow_radius_m"_a = 6378137.0,
+          "Pressure of light and of reflected light and heat on a mesh in metres, in body axes; `orbit` from the Sun. "
+          "Shares of the light mirrored and scattered, and whether 1 or 2 sides of a facet are lit: of all facets, or "
+          "one of each. `centre_of_mass` in the mesh's coordinates, if not their origin. `shadow`: the orbit about a "
+          "planet of this radius that eclipses the Sun.")
+      .def_static(
+          "aerodynamic",
+          [](const TriangleMesh& mesh, const Trajectory& orbit, double density_kg_m3, double distance_m,
+             double scale_height_m, const Given<Numbers>& turn_rad_s, const Given<Numbers>& accommodation,
+             const Given<Numbers>& rebound_speed, const std::optional<Given<Numbers>>& centre_of_mass,
+             const Given<Numbers>& sides) {
+            const PerFacet share(*accommodation, mesh, "accommodation"), speed(*rebound_speed, mesh, "rebound_speed");
+            const std::vector<Facet> facets = facets_from(mesh, centre_of_mass, *sides, [&](std::size_t i) {
+              return Aerodynamic::rebound({share[i], speed[i]});
+            });
+            const ExponentialAtmosphere air{density_kg_m3, distance_m, scale_height_m,
+                                            turn_rad_s->vector3("turn_rad_s")};
+            return Torque(Aerodynamic(facets, air, orbit));
+          },
+          "mesh"_a, "orbit"_a, nb::kw_only(), "density_kg_m3"_a, "distance_m"_a, "scale_height_m"_a, "turn_rad_s"_a,
+          "accommodation"_a = 1.0, "rebound_speed"_a = 0.0, "centre_of_mass"_a = nb::none(), "sides"_a = 1.0,
+          "Of thin air that meets the facets of a mesh: its density at a distance from the planet's centre, which "
+          "falls "
+          "by e in every scale height, and the rate at which it turns with the planet (rad/s, inertial axes). Of the "
+          "molecules the share `accommodation` leaves scattered, at `rebound_speed` of the speed with which they came; "
+          "the rest is mirrored. `orbit` from the planet; the mesh, `centre_of_mass` and `sides` as for `sunlight`.")
+      .def_static(
+          "function",
+          [](const nb::callable& function, const std::optional<Trajectory>& orbit, bool kinks,
+             std::optional<double> largest) {
+            return Torque(
+                OwnTorque(std::make_shared<const PythonTorque>(function, orbit.has_value(), kinks, largest), orbit));
+          },
+          "function"_a, nb::kw_only(), "orbit"_a = nb::none(), "kinks"_a = true, "largest"_a = nb::none(),
+          nb::sig("def function(function: typing.Callable[..., numpy.typing.ArrayLike], *, orbit: Orbit | None = None, "
+                  "kinks: bool = True, largest: float | None = None) -> Torque"),
+          "Of your own: function(t_s, q, omega) gives three numbers, N m in body axes; with an orbit "
+          "function(t_s, q, omega, position_m). t_s is a float, q (4,) scalar first from body to inertial axes, omega "
+          "(3,) in rad/s in body axes, the position (3,) in inertial axes. Say kinks=False of a function that is "
+          "smooth "
+          "in all of them: it is then evaluated less often. `largest`: no torque of it is larger, for plans.")
+      .def_static(
+          "compiled",
+          [](const nb::object& function, const std::optional<Trajectory>& orbit, bool kinks,
+             std::optional<double> largest) {
+            return Torque(OwnTorque(std::make_shared<const CompiledTorque>(function, kinks, largest), orbit));
+          },
+          "function"_a, nb::kw_only(), "orbit"_a = nb::none(), "kinks"_a = true, "largest"_a = nb::none(),
+          nb::sig(
+              "def compiled(function: typing.Any, *, orbit: Orbit | None = None, kinks: bool = True, largest: float "
+              "| None = None) -> Torque"),
+          "The same by machine code, called without the interpreter's lock: a numba cfunc, a ctypes function pointer, "
+          "a "
+          "scipy LowLevelCallable, or an address, of void f(double t_s, const double *q, const double *omega, const "
+          "double *position_m, double *torque). The position is null without an orbit.")
       .def_prop_ro("name", [](const Torque& self) { return std::string(torque_name(self)); })
       .def(
           "__call__",
@@ -178,8 +271,10 @@ void bind_torque(nb::module_& m) {
              const Given<Numbers>& principal_moments) {
             Torques all({self});
             const Torques at_work = all.jumps_s().empty() ? all : all.during(t_s);
-            const auto terms = at_work.at(t_s, Quaternion(q->q.normalized()), principal_moments->vector3("moments"));
-            return array_of(terms.torque(omega->vector3("omega")));
+            const Vector3 rate = omega->vector3("omega");
+            const auto terms =
+                at_work.at(t_s, Quaternion(q->q.normalized()), principal_moments->vector3("moments"), rate);
+            return array_of(terms.torque(rate));
           },
           "t_s"_a, "q"_a, "omega"_a, "principal_moments"_a,
           "The torque from outside at a time, attitude and rate, body axes being the principal ones. Shape (3,).")

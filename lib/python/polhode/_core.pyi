@@ -379,9 +379,27 @@ class Torque:
         """
 
     @staticmethod
-    def sunlight(mesh: Mesh, orbit: Orbit, specular: float = 0.0, diffuse: float = 1.0) -> Torque:
+    def sunlight(mesh: Mesh, orbit: Orbit, specular: numpy.typing.ArrayLike = 0.0, diffuse: numpy.typing.ArrayLike = 1.0, *, centre_of_mass: numpy.typing.ArrayLike | None = None, sides: numpy.typing.ArrayLike = 1.0, shadow: Orbit | None = None, shadow_radius_m: float = 6378137.0) -> Torque:
         """
-        Pressure of light and of reflected light and heat on a mesh in metres about the centre of mass; `orbit` from the Sun; shares of the light mirrored and scattered.
+        Pressure of light and of reflected light and heat on a mesh in metres, in body axes; `orbit` from the Sun. Shares of the light mirrored and scattered, and whether 1 or 2 sides of a facet are lit: of all facets, or one of each. `centre_of_mass` in the mesh's coordinates, if not their origin. `shadow`: the orbit about a planet of this radius that eclipses the Sun.
+        """
+
+    @staticmethod
+    def aerodynamic(mesh: Mesh, orbit: Orbit, *, density_kg_m3: float, distance_m: float, scale_height_m: float, turn_rad_s: numpy.typing.ArrayLike, accommodation: numpy.typing.ArrayLike = 1.0, rebound_speed: numpy.typing.ArrayLike = 0.0, centre_of_mass: numpy.typing.ArrayLike | None = None, sides: numpy.typing.ArrayLike = 1.0) -> Torque:
+        """
+        Of thin air that meets the facets of a mesh: its density at a distance from the planet's centre, which falls by e in every scale height, and the rate at which it turns with the planet (rad/s, inertial axes). Of the molecules the share `accommodation` leaves scattered, at `rebound_speed` of the speed with which they came; the rest is mirrored. `orbit` from the planet; the mesh, `centre_of_mass` and `sides` as for `sunlight`.
+        """
+
+    @staticmethod
+    def function(function: typing.Callable[..., numpy.typing.ArrayLike], *, orbit: Orbit | None = None, kinks: bool = True, largest: float | None = None) -> Torque:
+        """
+        Of your own: function(t_s, q, omega) gives three numbers, N m in body axes; with an orbit function(t_s, q, omega, position_m). t_s is a float, q (4,) scalar first from body to inertial axes, omega (3,) in rad/s in body axes, the position (3,) in inertial axes. Say kinks=False of a function that is smooth in all of them: it is then evaluated less often. `largest`: no torque of it is larger, for plans.
+        """
+
+    @staticmethod
+    def compiled(function: typing.Any, *, orbit: Orbit | None = None, kinks: bool = True, largest: float | None = None) -> Torque:
+        """
+        The same by machine code, called without the interpreter's lock: a numba cfunc, a ctypes function pointer, a scipy LowLevelCallable, or an address, of void f(double t_s, const double *q, const double *omega, const double *position_m, double *torque). The position is null without an orbit.
         """
 
     @property
