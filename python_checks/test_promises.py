@@ -67,7 +67,7 @@ def test_a_body_says_when_its_periods_lose_the_phase(tmp_path):
         assert "rounding only" in result.stderr and "the attitude is known to 1 deg" in result.stderr
         text = " ".join(str(c) for c in fits.getheader(out, 1)["COMMENT"]) if name == "a.fits" else out.read_text()
         text = " ".join(text.replace("COMMENT", "").split())
-        assert "and at all (180 deg) until " in text and " d after the epoch" in text
+        assert "andatall(180deg)until" in text.replace(" ", "") and "dafterthe" in text.replace(" ", "")
         beyond = "what is asked for lies beyond that, up to 6 years from the epoch"
         assert beyond.replace(" ", "") in text.replace(" ", "")  # cards of FITS break anywhere
     run("propagate", APOPHIS, "-o", tmp_path / "b.ecsv", "--stop", "+1 d", "--count", "3")
