@@ -253,6 +253,7 @@ void bind_motion(nb::module_& m) {
                                    trajectory_frame,
                                    {ut1_minus_utc_s, pole_x_arcsec, pole_y_arcsec},
                                    lambert_weight,
+                                   specular,
                                    absolute_magnitude,
                                    hg1g2,
                                    phase_polynomial,

@@ -3,8 +3,10 @@
 // of many runs.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <ctime>
 #include <functional>
@@ -16,6 +18,7 @@
 
 #include "polhode/motion/methods.hpp"
 #include "polhode/observe/observation.hpp"
+#include "polhode/time/scale.hpp"
 
 namespace {
 
