@@ -35,4 +35,6 @@ NB_MODULE(_core, m) {
   bind_torque(m);
   bind_motion(m);
   bind_ephemeris(m);
+  bind_pickling(m);
+  tell_wrong_arguments(m);
 }

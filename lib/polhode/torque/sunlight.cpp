@@ -77,6 +77,7 @@ Sunlight::Sunlight(const TriangleMesh& mesh, Surface surface, Trajectory way)
   }
   for (SunlitNormal& one : normals) one.normal_moment_m3 = one.moment_m3.cross(one.normal);
   facets_ = std::make_shared<const Facets>(std::move(normals), surface);
+  mesh_ = std::make_shared<const TriangleMesh>(mesh);
 }
 
 std::size_t Sunlight::normals() const { return facets_->normals.size(); }
@@ -86,7 +87,10 @@ Sunlight Sunlight::turned(const Matrix3& to_from) const {
   for (SunlitNormal& one : normals) {
     one = {to_from * one.normal, to_from * one.moment_m3, to_from * one.normal_moment_m3};
   }
+  TriangleMesh mesh = *mesh_;
+  for (Vector3& corner : mesh.vertices) corner = to_from * corner;
   Sunlight other = *this;
+  other.mesh_ = std::make_shared<const TriangleMesh>(std::move(mesh));
   other.facets_ = std::make_shared<const Facets>(std::move(normals), surface_);
   other.with_table_ = false;
   return other;

@@ -53,6 +53,10 @@ class Sunlight {
   void check() const {}  // nothing is left for it: see the constructor
   Sunlight turned(const Matrix3& to_from) const;
 
+  /// What it was made of, in its axes.
+  const TriangleMesh& mesh() const { return *mesh_; }
+  const Surface& surface() const { return surface_; }
+
   /// N m, in the axes of the facets (those with the same normal within 1e-12 are taken together); `to_sun_body_m` is
   /// the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const;
@@ -76,6 +80,7 @@ class Sunlight {
  private:
   struct Facets;
   std::size_t normals() const;
+  std::shared_ptr<const TriangleMesh> mesh_;
   std::shared_ptr<const Facets> facets_;
   bool with_table_ = false;
   double largest_moment_m3_ = 0.0;  // sum over the facets of area times distance

@@ -69,6 +69,10 @@ class Instant:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 def leap_seconds() -> list[tuple[int, int, float]]:
     """
     The table in use: (year, month, TAI - UTC in seconds from the first day of that month on).
@@ -126,6 +130,10 @@ class Inertia:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 class Mesh:
     """
     A closed surface of triangles, corners counter-clockwise seen from outside.
@@ -148,6 +156,10 @@ class Mesh:
         """
         Of the solid of density 1 that the mesh bounds. Raises InputError for one that bounds none, naming facets.
         """
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class MassProperties:
     """Of a solid of density 1, in the axes and unit of its mesh."""
@@ -309,6 +321,10 @@ class Body:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 def read(path: str | os.PathLike[str]) -> Any:
     """
     What a file holds, by its content: a Scene, an AttitudeHistory (tables and messages of attitudes), or a Body (every other format; its `history` has the attitudes that stand beside a complete body). FILE#ROW is a row of a table of bodies. Raises InputError with file and line, FileError.
@@ -342,6 +358,10 @@ class Orbit:
 
     def __call__(self, t_s: float) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
         """Position (m) and velocity (m/s) at seconds from the body's epoch."""
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class Torque:
     """
@@ -393,6 +413,10 @@ class Torque:
         """
 
     def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class PlannedEffect:
     """What one torque can do over a span, from above, and what became of it."""
@@ -502,6 +526,10 @@ class Scene:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 class State:
     """
     Attitude, rate and momentum at a time or an array of times: arrays of the shape of the times (bodies and times broadcast against each other), and one more axis.
@@ -547,6 +575,10 @@ class State:
     def units(self) -> dict[str, str]: ...
 
     def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[tuple[str, bytes], object, object, object, object]: ...
+
+    def __setstate__(self, arg: tuple[tuple[str, bytes], object, object, object, object], /) -> None: ...
 
 class Account:
     """What was done to compute a motion, and what it promises."""
@@ -632,12 +664,16 @@ class Motion:
 
     def ephemeris(self, start: Any = None, stop: Any = None, *, step: float | str | astropy.units.Quantity | None = None, count: int | None = None, tolerance: float | str | astropy.units.Quantity | None = None, times: Any = None, scale: str = 'TDB') -> Ephemeris:
         """
-        Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate within a tolerance (rad, or '1 arcsec'); or at `times`. A time is seconds from the epoch (TT), a date, an Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. Raises InputError.
+        Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate within a tolerance (rad, or '1 arcsec'; a scene's accuracy unless said); or at `times`, in any order. A time is seconds from the epoch (TT), a date, an Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. Raises InputError.
         """
 
-def FreeMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike, momentum: numpy.typing.ArrayLike, *, method: str = 'auto', threads: int = 1) -> Motion:
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
+def FreeMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, momentum: numpy.typing.ArrayLike, *, method: str = 'auto', threads: int = 1) -> Motion:
     """
-    The free motion of a body, or of an array of them, in their principal axes. moments (..., 3): I1 <= I2 <= I3, any unit; q (..., 4): attitude at t = 0, scalar first, body to inertial, any length but 0; momentum (..., 3), principal axes. The leading axes are broadcast. Raises InputError.
+    The free motion of a body, or of an array of them, in their principal axes. moments (..., 3): I1 <= I2 <= I3, any unit; q (..., 4): attitude at t = 0, scalar first, body to inertial, any length but 0, or a scipy Rotation; momentum (..., 3), principal axes. The leading axes are broadcast. Raises InputError.
     """
 
 def TorquedMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, momentum: numpy.typing.ArrayLike, torques: Sequence[Torque], first_s: float, last_s: float, *, tolerance_rad: float = 1e-09, method: str = 'auto', max_evaluations: int | None = None) -> Motion:
@@ -745,7 +781,7 @@ class AttitudeHistory:
     An attitude given by rows: a table, or a CCSDS message. `read` makes one from a file.
     """
 
-    def __init__(self, object: str, times: object, q: numpy.typing.ArrayLike, omega: numpy.typing.ArrayLike | astropy.units.Quantity | None = None, *, frame: str = 'ICRF', body_axes: str = 'SC_BODY_1', scale: str = 'UTC') -> None:
+    def __init__(self, object: str, times: object, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, omega: numpy.typing.ArrayLike | astropy.units.Quantity | None = None, *, frame: str = 'ICRF', body_axes: str = 'SC_BODY_1', scale: str = 'UTC') -> None:
         """
         Without a file: instants that increase (an astropy Time, or a list of Instants or dates), attitudes (n, 4) and perhaps rates (n, 3). `scale` is that of its rows where it is written. Raises InputError.
         """
@@ -795,6 +831,10 @@ class AttitudeHistory:
         """
 
     def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class Difference:
     """Between two attitudes over time."""
