@@ -3,7 +3,6 @@
 import datetime
 import json
 import os
-import pickle
 import subprocess
 import sys
 import threading
@@ -534,8 +533,3 @@ def test_the_stub_is_that_of_the_module(tmp_path):
     out = tmp_path / "_core.pyi"
     subprocess.run([sys.executable, "-m", "nanobind.stubgen", "-q", "-m", "polhode._core", "-o", out], check=True)
     assert out.read_text() == (ROOT / "lib/python/polhode/_core.pyi").read_text(), "run python -m nanobind.stubgen -m polhode._core -o lib/python/polhode/_core.pyi"
-
-
-def test_motions_are_not_pickled_by_accident():
-    with pytest.raises(TypeError):
-        pickle.dumps(polhode.read(TOUTATIS).motion())

@@ -38,15 +38,20 @@ Instant wanted(const nb::object& time, Instant epoch, Instant from, TimeScale sc
   return epoch + Seconds{elapsed.high_s, elapsed.low_s};
 }
 
-/// The instants of a list of times, of a comma-separated text, or of a file.
+/// The instants of a list of times, of a comma-separated text, or of a file: in order, each once.
 std::vector<Instant> wanted_list(const nb::object& times, Instant epoch) {
-  if (nb::isinstance<nb::str>(times)) return read_time_list(nb::cast<std::string>(times), std::nullopt);
-  const Elapsed elapsed = elapsed_of(times, epoch);
-  if (elapsed.scalar) return {epoch + Seconds{elapsed.high_s, elapsed.low_s}};
   std::vector<Instant> instants;
-  for (std::size_t i = 0; i < elapsed.high.size(); ++i) {
-    instants.push_back(epoch + Seconds{elapsed.high.data[i], elapsed.low.empty() ? 0.0 : elapsed.low[i]});
+  if (nb::isinstance<nb::str>(times)) {
+    instants = read_time_list(nb::cast<std::string>(times), std::nullopt);
+  } else if (const Elapsed elapsed = elapsed_of(times, epoch); elapsed.scalar) {
+    instants.push_back(epoch + Seconds{elapsed.high_s, elapsed.low_s});
+  } else {
+    for (std::size_t i = 0; i < elapsed.high.size(); ++i) {
+      instants.push_back(epoch + Seconds{elapsed.high.data[i], elapsed.low.empty() ? 0.0 : elapsed.low[i]});
+    }
   }
+  std::stable_sort(instants.begin(), instants.end());
+  instants.erase(std::unique(instants.begin(), instants.end()), instants.end());
   return instants;
 }
 
@@ -81,7 +86,13 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
       return std::vector{rows_of(*moving, grid, std::nullopt, format, covariance)};
     }};
   }
-  if (!step && !count && !tolerance) throw InputError("one of step, count, tolerance and times is wanted");
+  std::optional<double> tolerance_rad;
+  if (tolerance) {
+    tolerance_rad = (*tolerance)->rad;
+  } else if (!step && !count) {
+    tolerance_rad = motion.accuracy_rad;
+    if (!tolerance_rad) throw InputError("one of step, count, tolerance and times is wanted");
+  }
   const bool one_row = count == 1U && stop.is_none();
   if (stop.is_none() && !moving->under_torques && !one_row) throw InputError("stop is wanted: the last time");
   const Instant first = start.is_none()
@@ -91,19 +102,19 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
                        : stop.is_none()
                            ? instant_from_j2000(since_j2000(epoch, scale) + Seconds{moving->last_s, 0.0}, scale)
                            : wanted(stop, epoch, first, scale);
-  if (!tolerance) {
+  if (!tolerance_rad) {
     const TimeGrid grid = step ? TimeGrid::with_step(first, last, (*step)->seconds, scale)
                                : TimeGrid::with_count(first, last, *count, scale);
     return {[moving, grid, covariance](const EphemerisFormat* format) {
       return std::vector{rows_of(*moving, grid, std::nullopt, format, covariance)};
     }};
   }
-  if (!((*tolerance)->rad >= smallest_tolerance_rad)) {
+  if (!(*tolerance_rad >= smallest_tolerance_rad)) {
     throw InputError(
-        fmt::format("the tolerance is {} rad, {} rad or more is wanted", (*tolerance)->rad, smallest_tolerance_rad));
+        fmt::format("the tolerance is {} rad, {} rad or more is wanted", *tolerance_rad, smallest_tolerance_rad));
   }
   return {
-      [moving, first, last, scale, covariance, rad = (*tolerance)->rad](const EphemerisFormat* format) {
+      [moving, first, last, scale, covariance, rad = *tolerance_rad](const EphemerisFormat* format) {
         const std::size_t rows =
             rows_for_tolerance(*moving, first, last, scale, rad,
                                format != nullptr ? format->interpolation : RowInterpolation::great_circle);
@@ -236,7 +247,7 @@ std::optional<FloatArray> rates_of(const AttitudeSegment& segment) {
   return FloatArray{std::move(array)};
 }
 
-HistoryObject make_history(const std::string& object, const nb::object& times, const Given<Numbers>& q,
+HistoryObject make_history(const std::string& object, const nb::object& times, const Given<Attitudes>& q,
                            const std::optional<Given<Rates>>& omega, const std::string& frame_name,
                            const std::string& body_axes, const std::string& scale_name) {
   const std::vector<Instant> instants = instants_of(times);
@@ -370,7 +381,7 @@ void bind_history(nb::module_& m) {
                             "An attitude given by rows: a table, or a CCSDS message. `read` makes one from a file.")
       .def(
           "__init__",
-          [](HistoryObject* self, const std::string& object, const nb::object& times, const Given<Numbers>& q,
+          [](HistoryObject* self, const std::string& object, const nb::object& times, const Given<Attitudes>& q,
              const std::optional<Given<Rates>>& omega, const std::string& frame, const std::string& body_axes,
              const std::string& scale) {
             new (self) HistoryObject(make_history(object, times, q, omega, frame, body_axes, scale));
@@ -499,7 +510,8 @@ void bind_ephemeris(nb::module_& m) {
               "False) -> Ephemeris"),
       "Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): "
       "a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate "
-      "within a tolerance (rad, or '1 arcsec'); or at `times`. A time is seconds from the epoch (TT), a date, an "
+      "within a tolerance (rad, or '1 arcsec'; a scene's accuracy unless said); or at `times`, in any order. A time is "
+      "seconds from the epoch (TT), a date, an "
       "Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. "
       "covariance: that of the attitude too, of a body with uncertainties. Raises InputError.");
   bind_history(m);

@@ -36,4 +36,6 @@ NB_MODULE(_core, m) {
   bind_motion(m);
   bind_ephemeris(m);
   bind_uncertainty(m);
+  bind_pickling(m);
+  tell_wrong_arguments(m);
 }

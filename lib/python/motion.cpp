@@ -17,7 +17,7 @@
 namespace polhode::python {
 namespace {
 
-std::shared_ptr<MotionObject> free_motions(const Given<Numbers>& moments, const Given<Numbers>& q,
+std::shared_ptr<MotionObject> free_motions(const Given<Numbers>& moments, const Given<Attitudes>& q,
                                            const Given<Numbers>& momentum, const std::string& method_name,
                                            unsigned threads) {
   auto self = std::make_shared<MotionObject>();
@@ -309,8 +309,8 @@ void bind_motion(nb::module_& m) {
         "threads"_a = 1U,
         "The free motion of a body, or of an array of them, in their principal axes. moments (..., 3): I1 <= I2 <= I3, "
         "any "
-        "unit; q (..., 4): attitude at t = 0, scalar first, body to inertial, any length but 0; momentum (..., 3), "
-        "principal "
+        "unit; q (..., 4): attitude at t = 0, scalar first, body to inertial, any length but 0, or a scipy Rotation; "
+        "momentum (..., 3), principal "
         "axes. The leading axes are broadcast. Raises InputError.");
   m.def(
       "TorquedMotion",

@@ -45,6 +45,7 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
   const Method* method = nullptr;                      ///< of a free motion
   std::optional<MotionAccount> account;                ///< of one under torques
   std::shared_ptr<const BodyInMotion> moving;          ///< null: of bodies without epoch and frame
+  std::optional<double> accuracy_rad;                  ///< wanted of a scene's
 
   /// How states come into the axes that the body's file names; absent where they are the principal ones.
   struct NamedAxes {

@@ -95,20 +95,6 @@ Numbers numbers_of(nb::handle object, const char* unit) {
   return numbers_of_array(numpy("asarray")(array, "dtype"_a = "float64", "order"_a = "C"));
 }
 
-Attitude attitude_of(nb::handle object) {
-  if (is_instance_of(object, "scipy.spatial.transform", "Rotation")) {
-    const Numbers q = numbers_of(object.attr("as_quat")());
-    if (q.shape != Shape{4}) throw InputError("one rotation is wanted");
-    return {Quaternion(q.data[3], q.data[0], q.data[1], q.data[2])};
-  }
-  const Numbers q = numbers_of(object);
-  if (q.shape != Shape{4}) {
-    throw InputError(
-        fmt::format("an attitude has the shape ({}), (4,) is wanted: scalar first", fmt::join(q.shape, ", ")));
-  }
-  return {Quaternion(q.data[0], q.data[1], q.data[2], q.data[3])};
-}
-
 std::optional<Instant> instant_of(nb::handle object) {
   if (nb::isinstance<Instant>(object)) return nb::cast<Instant>(object);
   if (nb::isinstance<nb::str>(object)) return parse_date_with_scale(nb::cast<std::string>(object)).instant;
@@ -241,11 +227,31 @@ bool is_instance_of(nb::handle object, const char* module, const char* type) {
 
 nb::object from_json(const std::string& text) { return nb::module_::import_("json").attr("loads")(text); }
 
+namespace {
+
+Attitudes attitudes_of(nb::handle object) {
+  if (!is_instance_of(object, "scipy.spatial.transform", "Rotation")) return {numbers_of(object)};
+  return {numbers_of(numpy("roll")(object.attr("as_quat")(), 1, "axis"_a = -1))};  // scalar first
+}
+
+Attitude attitude_of(nb::handle object) {
+  const Attitudes q = attitudes_of(object);
+  if (q.shape != Shape{4}) {
+    throw InputError(
+        fmt::format("an attitude has the shape ({}), (4,) is wanted: scalar first", fmt::join(q.shape, ", ")));
+  }
+  return {Quaternion(q.data[0], q.data[1], q.data[2], q.data[3])};
+}
+
+}  // namespace
+
 Numbers kind_of(nb::handle object, Numbers* /*unused*/) { return numbers_of(object); }
 
 Rates kind_of(nb::handle object, Rates* /*unused*/) { return {numbers_of(object, "rad/s")}; }
 
 Angles kind_of(nb::handle object, Angles* /*unused*/) { return {numbers_of(object, "rad")}; }
+
+Attitudes kind_of(nb::handle object, Attitudes* /*unused*/) { return attitudes_of(object); }
 
 Attitude kind_of(nb::handle object, Attitude* /*unused*/) { return attitude_of(object); }
 

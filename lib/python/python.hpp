@@ -42,6 +42,9 @@ struct Numbers {
 struct Rates : Numbers {};
 struct Angles : Numbers {};
 
+/// Quaternions (..., 4), scalar first: numbers, or a Rotation of scipy, of one or more.
+struct Attitudes : Numbers {};
+
 /// An argument: unit quaternion, scalar first, or a Rotation of scipy.
 struct Attitude {
   Quaternion q;
@@ -86,6 +89,7 @@ class Given {
 Numbers kind_of(nb::handle object, Numbers*);
 Rates kind_of(nb::handle object, Rates*);
 Angles kind_of(nb::handle object, Angles*);
+Attitudes kind_of(nb::handle object, Attitudes*);
 Attitude kind_of(nb::handle object, Attitude*);
 When kind_of(nb::handle object, When*);
 Duration kind_of(nb::handle object, Duration*);
@@ -95,7 +99,6 @@ FileName kind_of(nb::handle object, FileName*);
 /// Throws InputError for what would lose its meaning as plain numbers: a Quantity (unless `unit` says of what unit
 /// numbers are wanted), dates, complex numbers, masked elements.
 Numbers numbers_of(nb::handle object, const char* unit = nullptr);
-Attitude attitude_of(nb::handle object);
 std::optional<Instant> instant_of(nb::handle object);  ///< nothing: it is none
 std::vector<Instant> instants_of(nb::handle object);   ///< of a list or of an astropy Time of one dimension
 
@@ -131,6 +134,10 @@ void bind_torque(nb::module_& m);
 void bind_motion(nb::module_& m);
 void bind_ephemeris(nb::module_& m);
 void bind_uncertainty(nb::module_& m);
+void bind_pickling(nb::module_& m);
+
+/// Wrong arguments of every function and class of the module are told in words.
+void tell_wrong_arguments(nb::module_& m);
 
 }  // namespace polhode::python
 
@@ -150,6 +157,7 @@ namespace nanobind::detail {
 POLHODE_ARGUMENT(Numbers, "numpy.typing.ArrayLike");
 POLHODE_ARGUMENT(Rates, "numpy.typing.ArrayLike | astropy.units.Quantity");
 POLHODE_ARGUMENT(Angles, "numpy.typing.ArrayLike | astropy.units.Quantity");
+POLHODE_ARGUMENT(Attitudes, "numpy.typing.ArrayLike | scipy.spatial.transform.Rotation");
 POLHODE_ARGUMENT(Attitude, "numpy.typing.ArrayLike | scipy.spatial.transform.Rotation");
 POLHODE_ARGUMENT(When, "Instant | str | astropy.time.Time");
 POLHODE_ARGUMENT(Duration, "float | str | astropy.units.Quantity");

@@ -5,6 +5,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "polhode/base/error.hpp"
@@ -66,6 +67,17 @@ struct Rows {
   std::ptrdiff_t row, number;
 };
 
+/// Whether two numbers of such an array are at one place.
+bool meets_itself(const Rows& rows, std::size_t count, std::size_t width) {
+  if (count < 2) return rows.number == 0 && count > 0;
+  if (rows.row == 0 || rows.number == 0) return true;
+  for (std::ptrdiff_t k = 1; k < static_cast<std::ptrdiff_t>(width); ++k) {
+    const std::ptrdiff_t ahead = std::abs(k * rows.number), row = std::abs(rows.row);
+    if (ahead % row == 0 && static_cast<std::size_t>(ahead / row) < count) return true;
+  }
+  return false;
+}
+
 Rows rows_of(nb::handle object, const Shape& shape, std::size_t width, const char* what) {
   Shape whole = shape;
   whole.push_back(width);
@@ -84,10 +96,26 @@ Rows rows_of(nb::handle object, const Shape& shape, std::size_t width, const cha
   for (std::size_t i = 0; i + 1 < shape.size(); ++i) {
     if (view.stride(i) != view.stride(i + 1) * static_cast<std::ptrdiff_t>(shape[i + 1])) refuse();
   }
+  if (meets_itself(rows, count_of(shape), width)) {
+    throw InputError(fmt::format("out: elements of {} share memory with each other", what));
+  }
   return rows;
 }
 
-Output output_for(const nb::object& out, const Shape& shape) {
+/// Throws InputError if results would overwrite each other, or the times that are still to be read.
+void refuse_overlap(nb::handle q, nb::handle m, nb::handle times) {
+  const nb::object share = nb::module_::import_("numpy").attr("shares_memory");
+  const auto check = [&](nb::handle a, nb::handle b, const char* which) {
+    if (a.is_valid() && b.is_valid() && !a.is_none() && !b.is_none() && nb::cast<bool>(share(a, b))) {
+      throw InputError(fmt::format("out: {} share memory", which));
+    }
+  };
+  check(q, m, "the arrays of attitude and momentum");
+  check(q, times, "the array of attitudes and the times");
+  check(m, times, "the array of momenta and the times");
+}
+
+Output output_for(const nb::object& out, const Shape& shape, nb::handle times) {
   Output output;
   Shape whole = shape;
   if (out.is_none()) {
@@ -113,6 +141,7 @@ Output output_for(const nb::object& out, const Shape& shape) {
     for (int k = 0; k < 3; ++k) output.arrays.m[k] = m.data + k * m.number;
     output.arrays.m_stride = m.row;
   }
+  refuse_overlap(output.q, output.m, times);
   return output;
 }
 
@@ -282,6 +311,13 @@ nb::object rotation_of(StateObject& self) {
   const nb::object q = array_or_made(self.q, self.scalar, self.q1.data(), 4);
   const nb::object numpy = nb::module_::import_("numpy");
   nb::object last = numpy.attr("roll")(q, -1, "axis"_a = -1);  // scalar last
+  const nb::object is_nan = numpy.attr("isnan")(last).attr("any")("axis"_a = -1);
+  if (const auto nans = nb::cast<std::size_t>(numpy.attr("count_nonzero")(is_nan)); nans != 0) {
+    throw InputError(
+        fmt::format("{} of {} attitudes are NaN, since their times are; a Rotation has none: take `q`, or "
+                    "leave these times out",
+                    nans, nb::cast<std::size_t>(is_nan.attr("size"))));
+  }
   if (nb::cast<int>(last.attr("ndim")) > 2) last = last.attr("reshape")(-1, 4);
   return nb::module_::import_("scipy.spatial.transform").attr("Rotation").attr("from_quat")(last);
 }
@@ -323,7 +359,7 @@ StateObject states_at(const std::shared_ptr<const MotionObject>& self, const nb:
   } else {
     state.t = times.high.array;
   }
-  Output output = output_for(out, whole);
+  Output output = output_for(out, whole, times.high.array);
   const std::size_t count = count_of(whole);
   if (self->named) {
     double* omega = nullptr;

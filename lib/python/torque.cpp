@@ -98,6 +98,7 @@ std::shared_ptr<MotionObject> motion_of(const SceneObject& self, bool full,
     return std::make_shared<BodyInMotion>(planned_motion_of(self.scene, full, most_evaluations));
   }();
   auto motion = motion_object(moving, nullptr);
+  motion->accuracy_rad = self.scene.accuracy_rad;
   motion->account = moving->account(moving->first_s, moving->last_s);
   return motion;
 }

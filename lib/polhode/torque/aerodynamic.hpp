@@ -62,6 +62,9 @@ class Aerodynamic {
             table.orbit().trajectory};
   }
 
+  const std::vector<Facet>& facets() const { return facets_.given(); }
+  const ExponentialAtmosphere& atmosphere() const { return atmosphere_; }
+
   void check() const { atmosphere_.check(); }
   Aerodynamic turned(const Matrix3& to_from) const {
     Aerodynamic other = *this;

@@ -101,6 +101,12 @@ Facets::Facets(const std::vector<Facet>& facets) {
     one.linear_m3 = one.linear_m3.cross(one.normal).eval();
   }
   shared_ = std::make_shared<const Shared>(std::move(normals));
+  given_ = std::make_shared<const std::vector<Facet>>(facets);
+}
+
+const std::vector<Facet>& Facets::given() const {
+  if (given_ == nullptr) throw InputError("facets that were turned are not those that were given");
+  return *given_;
 }
 
 std::size_t Facets::normals() const { return shared_->normals.size(); }
@@ -112,6 +118,7 @@ Facets Facets::turned(const Matrix3& to_from) const {
   }
   Facets other = *this;
   other.shared_ = std::make_shared<const Shared>(std::move(normals));
+  other.given_ = nullptr;
   other.with_table_ = false;
   return other;
 }

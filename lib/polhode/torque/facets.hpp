@@ -43,6 +43,9 @@ class Facets {
 
   Facets turned(const Matrix3& to_from) const;
 
+  /// As given. Throws InputError for what turned() made, which has none.
+  const std::vector<Facet>& given() const;
+
   /// m^3, per unit of pressure; s is the unit vector to where the stream comes from, body axes.
   Vector3 torque_m3(const Vector3& s) const;
   /// From above.
@@ -64,6 +67,7 @@ class Facets {
  private:
   struct Shared;
   std::shared_ptr<const Shared> shared_;
+  std::shared_ptr<const std::vector<Facet>> given_;  // null if turned
   bool with_table_ = false;
   double largest_m3_ = 0.0;
 };

@@ -73,6 +73,9 @@ class Sunlight {
     return other;
   }
 
+  const std::vector<Facet>& facets() const { return facets_.given(); }
+  double ball_radius_m() const { return ball_radius_m_; }  ///< of what eclipses the Sun; 0 if nothing does
+
   /// N m, in the axes of the facets, without an eclipse; `to_sun_body_m` is the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const {
     const double r2 = to_sun_body_m.squaredNorm();

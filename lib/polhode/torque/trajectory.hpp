@@ -47,6 +47,7 @@ class TabulatedOrbit {
   /// Throws as state().
   Piece piece(double t_s, bool forward) const;
 
+  const std::vector<OrbitTable>& tables() const { return tables_; }
   double first_s() const { return tables_.front().first_s(); }
   double last_s() const { return tables_.back().last_s(); }
   /// Where one table follows another.

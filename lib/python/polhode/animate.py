@@ -54,7 +54,7 @@ def film(what, mesh=None, turns=3, count=250):
     time_s, q, momentum = rows.time_s, rows.q, rows.momentum
     if len(q) != count or not np.allclose(np.diff(time_s), time_s[-1] / (count - 1)):  # of a file, with rows of its own
         history = read(what)
-        time_s = np.linspace(0.0, time_s[-1], count)
+        time_s = np.linspace(0.0, history.segments[-1].usable[1] - history.epoch, count)  # seconds of TT
         states = history(time_s)
         q = states.q
         principal = np.repeat(rows.principal * [1, -1, -1, -1], count, 0)

@@ -1,4 +1,7 @@
-""""""
+"""SPICE kernels of an attitude ephemeris: CK of types 3 and 5, and a binary PCK, with the clock and the frames they need.
+
+`polhode spice` is main(); kernels() writes them. It needs spiceypy, and astropy for FITS.
+"""
 
 import os
 import re
@@ -55,7 +58,7 @@ def read_rows(path):
     ephemeris = _files.read_ephemeris(path)
     frame = ephemeris.text("REFFRAMA")
     if frame not in SPICE_FRAMES:
-        raise InputError(f"{path}: SPICE has no frame {frame}; write the FITS with --frame ICRF or ECLIPJ2000")
+        raise InputError(f"{path}: SPICE has no frame {frame}; write the FITS in the frame ICRF or ECLIPJ2000")
     if len(ephemeris.q) < 2:
         raise InputError(f"{path} has one row; kernels need two or more")
     # TT seconds from J2000 in two parts, so that nothing is lost on the way.
@@ -111,7 +114,7 @@ def error_by_spacing(rows):
     inside = slice(1, 2 * len(half.et) - 2, 2)
     at_twice = angle(interpolated(half, rows.et[inside]), rows.q[inside]).max()
     if at_twice > 0.1:
-        raise InputError("the rows are too far apart to interpolate between them; give more (--step or --count of propagate)")
+        raise InputError("the rows are too far apart to interpolate between them; give more rows")
     return at_twice / 2**12
 
 
@@ -300,7 +303,7 @@ def write_pck(path, rows, body_id, segment, spacing_error, tolerance):
         return False, f"no binary PCK: its rows must be equally spaced, {2 * HERMITE_ROWS - 1} or more"
     if spacing_error >= tolerance:
         return False, (f"no binary PCK: the rows are too far apart for {tolerance:.2g} rad, {spacing_error:.2g} rad would "
-                       "do; give more rows or a larger --tolerance")  # fmt: skip
+                       "do; give more rows or a larger `tolerance`")  # fmt: skip
     # The angles are singular where the z axis points to a pole of their frame.
     others = [in_frame(rows, frame) for frame in SPICE_FRAMES.values() if frame != rows.frame]
     if pole_distance(rows) < 0.1:
@@ -314,7 +317,7 @@ def write_pck(path, rows, body_id, segment, spacing_error, tolerance):
     if error > tolerance - other_errors:
         return False, (f"no binary PCK: its polynomials reach {error + other_errors:.2g} rad, not {tolerance:.2g} rad "
                        f"({of_pole}, and turns by {rows.resolution_rad:.2g} rad from one double of ET to the next); "
-                       "give a larger --tolerance, or use the CK")  # fmt: skip
+                       "give a larger `tolerance`, or use the CK")  # fmt: skip
     handle = spiceypy.pckopn(path, segment, 1000)
     spiceypy.dafac(handle, [f"Attitude of {rows.object} in {rows.frame}, angles ZXZ, by polhode.",
                             f"Promised error everywhere: {tolerance:.3e} rad."])  # fmt: skip
@@ -384,17 +387,17 @@ def kernels(file, folder=".", *, id=None, name=None, tolerance=None):
     number, object_name = number_and_name(rows.object)
     if id is None and number is None:
         raise InputError(
-            f"'{rows.object}' does not begin with a minor planet's number: give its NAIF id by --id, for a satellite a "
-            "negative number, as --id -999123"
+            f"'{rows.object}' does not begin with a minor planet's number: give its NAIF id by `id`, for a satellite a "
+            "negative number, as `id` -999123"
         )
     body_id = id if id is not None else 2000000 + number
     if not 0 < abs(body_id) < 2**31:
-        raise InputError(f"--id is {body_id}; it must be between 1 and 2147483647, or the negative of that")
+        raise InputError(f"`id` is {body_id}; it must be between 1 and 2147483647, or the negative of that")
     name = re.sub(r"[^A-Z0-9]+", "_", (name or object_name).upper()).strip("_")
     if not 1 <= len(name) <= LONGEST_NAME:
         raise InputError(
             f"SPICE's frames would begin with '{name}', which has {len(name)} characters; give 1 to {LONGEST_NAME} letters, "
-            "digits and _ by --name"
+            "digits and _ by `name`"
         )
     folder = Path(folder)
     with tempfile.TemporaryDirectory(prefix="polhode-") as work:
@@ -437,6 +440,11 @@ def orbit(target, motion, start, stop, step, *, centre="SUN", kernels=()):
     return Orbit.table(t, 1e3 * states[:, :3], 1e3 * states[:, 3:], degree=min(7, 2 * len(t) - 1))
 
 
+def as_options(text):
+    """What is said of `arguments`, as the command line knows them."""
+    return re.sub(r"`(id|name|tolerance)`", r"--\1", text)
+
+
 def main(arguments):
     parser = _files.Parser(prog="polhode spice", description="SPICE kernels of an attitude ephemeris that polhode propagate wrote as FITS")
     parser.add_argument("file", help="FITS ephemeris")
@@ -447,5 +455,8 @@ def main(arguments):
         "--tolerance", type=_files.positive, help="promised error of the binary PCK in rad (default: 1e-9, more for a fast body)"
     )
     options = parser.parse_args(arguments)
-    said = kernels(options.file, options.output, id=options.id, name=options.name, tolerance=options.tolerance)
-    print("\n".join(said))
+    try:
+        said = kernels(options.file, options.output, id=options.id, name=options.name, tolerance=options.tolerance)
+    except InputError as error:
+        raise InputError(as_options(str(error))) from None
+    print(as_options("\n".join(said)))
