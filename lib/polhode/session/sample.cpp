@@ -334,7 +334,7 @@ SampleState joined(std::vector<SampleState> parts) {
 
 void write_sample_statistics(const std::string& path, const SampleState& state) {
   using Kind = NumberColumn::Kind;
-  constexpr double degrees = 180.0 / std::numbers::pi;
+  constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
   static constexpr double sizes[] = {0.5, 0.682689492137086, 0.954499736103642, 0.997300203936740};
   static constexpr double signed_parts[] = {0.00134989803163, 0.158655253931457, 0.5, 0.841344746068543,
                                             0.99865010196837};
@@ -400,14 +400,14 @@ void write_sample_statistics(const std::string& path, const SampleState& state) 
           *to++ = fits ? state.times_s[j] : static_cast<double>(j);
           const Eigen::Vector4d q = scalar_first(clones.mean_attitude());
           for (const int k : {1, 2, 3, 0}) *to++ = q[k];
-          *to++ = degrees * clones.attitude_spread_rad();
-          for (const double part : sizes) *to++ = degrees * clones.attitude_angle.quantile(part);
+          *to++ = kDegreesPerRad * clones.attitude_spread_rad();
+          for (const double part : sizes) *to++ = kDegreesPerRad * clones.attitude_angle.quantile(part);
           const Vector3 mean = clones.mean_direction();
           const Direction direction = mean.isZero(0.0) ? Direction{} : direction_of(mean);
-          *to++ = degrees * direction.longitude_rad;
-          *to++ = degrees * direction.latitude_rad;
-          *to++ = degrees * clones.direction_spread_rad();
-          for (const double part : sizes) *to++ = degrees * clones.direction_angle.quantile(part);
+          *to++ = kDegreesPerRad * direction.longitude_rad;
+          *to++ = kDegreesPerRad * direction.latitude_rad;
+          *to++ = kDegreesPerRad * clones.direction_spread_rad();
+          for (const double part : sizes) *to++ = kDegreesPerRad * clones.direction_angle.quantile(part);
           for (const std::uint64_t mode : clones.modes) {
             *to++ = static_cast<double>(mode) / static_cast<double>(clones.count);
           }

@@ -19,7 +19,7 @@
 namespace polhode {
 namespace {
 
-using Kind = NumberColumn::Kind;
+using NumberKind = NumberColumn::Kind;
 
 enum class NumberTableFormat { csv, ecsv, fits };
 
@@ -68,7 +68,9 @@ std::string text_header(const NumberTable& table, NumberTableFormat format) {
   if (format == NumberTableFormat::ecsv) {
     out = "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n";
     for (const NumberColumn& column : table.columns) {
-      const char* type = column.kind == Kind::number ? "float64" : column.kind == Kind::whole ? "int64" : "string";
+      const char* type = column.kind == NumberKind::number  ? "float64"
+                         : column.kind == NumberKind::whole ? "int64"
+                                                            : "string";
       for (const std::string& name : column.text_names) {
         out += fmt::format("# - {{name: {}, datatype: {}{}}}\n", name, type,
                            column.unit.empty() ? "" : ", unit: " + column.unit);
@@ -100,9 +102,9 @@ std::string text_header(const NumberTable& table, NumberTableFormat format) {
   return out + "\n";
 }
 
-void write_text(const std::string& path, const NumberTable& table, NumberTableFormat format, const RowFiller& fill,
-                const Progress& progress, unsigned thread_count) {
-  std::vector<Kind> kinds;
+void write_number_text(const std::string& path, const NumberTable& table, NumberTableFormat format,
+                       const RowFiller& fill, const Progress& progress, unsigned thread_count) {
+  std::vector<NumberKind> kinds;
   std::vector<std::vector<std::string>> labels;  // of each column
   for (const NumberColumn& column : table.columns) {
     std::vector<std::string> cells(column.labels.size());
@@ -116,13 +118,13 @@ void write_text(const std::string& path, const NumberTable& table, NumberTableFo
       const std::size_t column = i % kinds.size();
       const char before = column == 0 ? '\n' : ',';
       switch (kinds[column]) {
-        case Kind::number:
+        case NumberKind::number:
           append_number(out.bytes, before, numbers[i]);
           break;
-        case Kind::whole:
+        case NumberKind::whole:
           fmt::format_to(std::back_inserter(out.bytes), "{}{}", before, static_cast<std::int64_t>(numbers[i]));
           break;
-        case Kind::label:
+        case NumberKind::label:
           out.bytes.append(1, before).append(labels[column][static_cast<std::size_t>(numbers[i])]);
           break;
       }
@@ -149,7 +151,7 @@ void write_fits_rows(FitsFile& fits, const NumberTable& table, const RowFiller& 
   fits.check(status);
   fits.checksums(0);
   std::vector<std::string> names, forms, units;
-  std::vector<Kind> kinds;
+  std::vector<NumberKind> kinds;
   std::vector<std::vector<std::string>> labels;  // of each number of a row, all of one length
   std::size_t row_bytes = 0;
   for (const NumberColumn& column : table.columns) {
@@ -164,11 +166,12 @@ void write_fits_rows(FitsFile& fits, const NumberTable& table, const RowFiller& 
     });
     names.push_back(column.name);
     units.push_back(column.unit);
-    forms.push_back(column.kind == Kind::label ? fmt::format("{}A", longest)
-                                               : fmt::format("{}{}", width, column.kind == Kind::whole ? 'K' : 'D'));
+    forms.push_back(column.kind == NumberKind::label
+                        ? fmt::format("{}A", longest)
+                        : fmt::format("{}{}", width, column.kind == NumberKind::whole ? 'K' : 'D'));
     kinds.insert(kinds.end(), width, column.kind);
     labels.insert(labels.end(), width, texts);
-    row_bytes += column.kind == Kind::label ? longest : width * sizeof(double);
+    row_bytes += column.kind == NumberKind::label ? longest : width * sizeof(double);
   }
   const auto pointers = [](std::vector<std::string>& texts) {
     std::vector<char*> out(texts.size());
@@ -194,13 +197,13 @@ void write_fits_rows(FitsFile& fits, const NumberTable& table, const RowFiller& 
     for (std::size_t i = 0; i < numbers.size(); ++i) {
       const std::size_t column = i % kinds.size();
       switch (kinds[column]) {
-        case Kind::number:
+        case NumberKind::number:
           packer.put(numbers[i]);
           break;
-        case Kind::whole:
+        case NumberKind::whole:
           packer.put(std::bit_cast<double>(static_cast<std::int64_t>(numbers[i])));
           break;
-        case Kind::label:
+        case NumberKind::label:
           packer.put_words(labels[column][static_cast<std::size_t>(numbers[i])]);
           break;
       }
@@ -249,7 +252,7 @@ void write_number_table(const std::string& path, const NumberTable& table, const
   check_number_table_path(path);
   const NumberTableFormat format = *format_of_path(path);
   if (format != NumberTableFormat::fits) {
-    write_text(path, table, format, fill, progress, thread_count);
+    write_number_text(path, table, format, fill, progress, thread_count);
     return;
   }
   OutputFile output(path);
