@@ -56,6 +56,10 @@ LONG = {
         None,
     ),
     "polhode chart stability -o charts": (CHART, "polhode chart stability --help"),
+    "polhode fit data/scenes/toutatis-1992-2008.toml data/observations/toutatis-radar-attitudes.csv -o fitted.toml --residuals residuals.csv": (
+        "takes seconds of many propagations; test_fit.py fits it",
+        None,
+    ),
     "polhode plot charts/torqued.ecsv": ("takes seconds; test_chart.py draws one", None),
     "polhode plot charts/stability.ecsv": ("needs the table of a long command; test_chart.py draws one", None),
     "polhode plot toutatis.fits -o toutatis.png": ("takes seconds; test_plot.py draws it", None),

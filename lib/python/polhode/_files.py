@@ -36,7 +36,7 @@ def run(main):
     except ComputationError as error:
         end(1, error)
     except ModuleNotFoundError as error:
-        end(1, f"this Python has no {error.name}: pip install 'polhode[plot,spice]' brings it")
+        end(1, f"this Python has no {error.name}: pip install 'polhode[fit,plot,spice]' brings it")
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what standard output did not take is not tried again
         end(3, f"{error.filename or 'standard output'}: {error.strerror or error}")

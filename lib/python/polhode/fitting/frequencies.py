@@ -9,7 +9,7 @@ FINENESS = 8  # trial frequencies for each turn more over the span
 # Lines of an ellipsoid are at m f_phi + k 2 f_psi: it looks the same when the polhode has been run through by half. Those
 # that may be the strong ones:
 STRONG = ((2, 0), (2, 1), (2, -1), (0, 1), (1, 0), (1, 1), (1, -1), (2, 2), (2, -2))
-SERIES = [(m, k) for m in range(0, 5) for k in range(-3, 4) if (m > 0 or k > 0) and m + 2 * abs(k) <= 7]
+SERIES = [(m, k) for m in range(0, 5) for k in range(-2, 3) if (m > 0 or k > 0) and m + 2 * abs(k) <= 6]
 
 
 def waves(t, frequencies):
@@ -60,34 +60,41 @@ def periodogram(t, y, weight, frequencies):
 
 
 def pairs(t, y, weight, base, found, highest, most):
-    """Pairs (f_phi, 2 f_psi) whose series leaves least, the best first, every labelling of the strong lines among them."""
+    """Pairs (f_phi, 2 f_psi) whose series leaves least, the best first: two lines, each taken for each of those that may be
+    the strong ones."""
     span = np.ptp(t)
-    seen, out = [], []
+    candidates = []
     for i, a in enumerate(found):
         for b in found[i + 1 :]:
             for one in STRONG:
                 for two in STRONG:
                     matrix = np.array([one, two], dtype=float)
+                    if abs(np.linalg.det(matrix)) < 0.5:
+                        continue
                     for sign in (1, -1):  # a line at a difference may be of either sign
-                        for sign_a in (1, -1):
-                            if abs(np.linalg.det(matrix)) < 0.5:
-                                continue
-                            phi, psi = np.linalg.solve(matrix, [sign_a * a, sign * b])
-                            if phi < 0:
-                                phi, psi = -phi, -psi
-                            psi = abs(psi)
-                            if not (0.5 / span < phi < highest and 0.5 / span < psi < highest):
-                                continue
-                            if any(abs(phi - p) < 0.1 / span and abs(psi - q) < 0.1 / span for p, q in seen):
-                                continue
-                            seen.append((phi, psi))
-    for phi, psi in seen:
-        frequencies = [abs(m * phi + k * psi) for m, k in SERIES]
-        kept = []
-        for f in frequencies:
-            if f > 0.3 / span and all(abs(f - g) > 0.3 / span for g in kept):
-                kept.append(f)
-        cost, _ = left_over(np.concatenate([base, waves(t, kept)], axis=1), y, weight)
-        out.append((cost / max(len(t) - base.shape[1] - 2 * len(kept), 1), phi, psi))
-    out.sort()
-    return [(phi, psi) for _, phi, psi in out[:most]]
+                        phi, psi = np.abs(np.linalg.solve(matrix, [a, sign * b]))
+                        if 0.5 / span < min(phi, psi) and max(phi, psi) < highest:
+                            candidates.append((phi, psi))
+    if not candidates:
+        return []
+    candidates = np.array(candidates)
+    cells = np.unique(np.round(candidates * span * 8), axis=0, return_index=True)[1]
+    phi, psi = candidates[np.sort(cells)].T
+    cost = np.array([series_cost(t, y, weight, base, f, g) for f, g in zip(phi, psi)])
+    kept = []
+    for k in np.argsort(cost):
+        if all(abs(phi[k] - phi[j]) > 0.2 / span or abs(psi[k] - psi[j]) > 0.2 / span for j in kept):
+            kept.append(k)
+            if len(kept) == most:
+                break
+    return [(float(phi[k]), float(psi[k])) for k in kept]
+
+
+def series_cost(t, y, weight, base, phi, psi):
+    """What the series of a pair leaves, for each degree of freedom."""
+    kept = []
+    for f in sorted(abs(m * phi + k * psi) for m, k in SERIES):
+        if f > 0.3 / np.ptp(t) and (not kept or f - kept[-1] > 0.3 / np.ptp(t)):
+            kept.append(f)
+    left, _ = left_over(np.concatenate([base, waves(t, kept)], axis=1), y, weight)
+    return left / max(len(t) - base.shape[1] - 2 * len(kept), 1)

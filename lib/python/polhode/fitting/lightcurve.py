@@ -15,7 +15,7 @@ from .._core import FreeMotion, Inertia, q_frame_from_momentum, solve_periods
 from .._errors import ComputationError, InputError
 from . import rotations
 from .frequencies import lines, pairs
-from .leading import led_along, solved
+from .leading import counted_otherwise, foresight, solved
 from .motions import FreeMotions
 from .observations import MAGNITUDE
 from .parameters import Parameters
@@ -179,10 +179,15 @@ def fitted(task):
 
 
 def to_all(problem, values, main):
-    """On from the main apparition to the others."""
-    for k, p in enumerate(problem.numbers):
-        p.value = float(values[k])
-    problem.start = problem.values
-    values, _ = led_along(problem, turns=1)
-    values, cost = solved(problem, [(values, np.inf)], problem.everything(), "linear", rough=False)[0]
-    return values, cost
+    """On from the main apparition to the others, the nearest first; where a turn may be miscounted, also one more or less."""
+    paths = [(values, 0.0)]
+    active = list(main)
+    times = np.unique(np.concatenate([t[~m] for t, m in zip(problem.times, main)]))
+    for part in sorted(apparitions(times), key=lambda part: np.abs(times[part]).min()):
+        nearest = times[part][np.argmin(np.abs(times[part]))]
+        covariance, by_turn = foresight(problem, problem.motions, paths[0][0], np.array([nearest]), active)
+        of_turn = by_turn[0] @ covariance @ by_turn[0].T
+        paths = counted_otherwise(problem, paths[:2], covariance, by_turn[0], of_turn, 1)
+        active = [a | np.isin(t, times[part]) for a, t in zip(active, problem.times)]
+        paths = solved(problem, paths, active, "linear", rough=True)
+    return solved(problem, paths[:1], problem.everything(), "linear", rough=False)[0]

@@ -145,6 +145,7 @@ def text_of(path):
 
 def table_of(path, text):
     """The table in a text, or None where it is none of measurements."""
+    known = {*ANGLES, *RATES, "magnitude", "axis_lon_deg", "sigma_angles_deg", "sigma_omega_deg_day"}
     said, names, rows, lines = {}, None, [], []
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("#"):
@@ -157,6 +158,8 @@ def table_of(path, text):
             cells = [cell.strip() for cell in cells]
             if names is None:
                 names, names_line = cells, number
+                if not known & set(names):
+                    return None
                 continue
             if len(cells) != len(names):
                 raise InputError(
@@ -164,8 +167,7 @@ def table_of(path, text):
                 )
             rows.append(cells)
             lines.append(number)
-    known = {*ANGLES, *RATES, "magnitude", "axis_lon_deg", "sigma_angles_deg", "sigma_omega_deg_day"}
-    if names is None or not known & set(names):
+    if names is None:
         return None
     columns = {name: [row[k] for row in rows] for k, name in enumerate(names)}
     table = Table(str(path), names, names_line, columns, np.array(lines, dtype=int), said)
