@@ -3,12 +3,14 @@
 // The objects of Python that more than one source of the extension module knows.
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/motion.hpp"
+#include "polhode/motion/torqued_partials.hpp"
 #include "polhode/read/input_formats.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/session/body_in_motion.hpp"
@@ -51,6 +53,9 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
   };
   std::optional<NamedAxes> named;
 
+  mutable std::once_flag torqued_partials_made;
+  mutable std::shared_ptr<const TorquedPartials> torqued_partials;
+
   std::optional<Instant> epoch() const { return moving ? std::optional(moving->body.state->epoch) : std::nullopt; }
 };
 
@@ -71,6 +76,7 @@ struct StateObject {
 
 /// Motion.partials(): an array (..., 6, 9) of a free motion, in the axes of its states.
 FloatArray partials_of(const MotionObject& motion, const nb::object& t, unsigned threads);
+std::vector<std::string> partial_columns_of(const MotionObject& motion);
 
 /// The attitude of anything that has one, v_icrf = q v_body q*, for comparisons.
 std::function<Quaternion(Instant)> q_icrf_of(const MotionObject& motion);

@@ -107,13 +107,13 @@ double Sunlight::evaluations_for_table() const {
 Vector3 Sunlight::torque(const Vector3& to_sun_body_m) const {
   const double r2 = to_sun_body_m.squaredNorm();
   const Vector3 s = to_sun_body_m / std::sqrt(r2);
-  return pressure_pa(r2) * (with_table_ ? facets_->table().torque_m3(s) : facets_->sum.torque_m3(s));
+  return strength_ * pressure_pa(r2) * (with_table_ ? facets_->table().torque_m3(s) : facets_->sum.torque_m3(s));
 }
 
 void Sunlight::add_edges(const TorquePlace<double>& place, std::vector<TorqueEdge>& edges) const {
   if (place.orbit == nullptr || !has_edges()) return;
   const Vector3 to_sun = -place.to_body(place.orbit->position_m);
-  const double r2 = to_sun.squaredNorm(), pressure = pressure_pa(r2);
+  const double r2 = to_sun.squaredNorm(), pressure = strength_ * pressure_pa(r2);
   const Vector3 s = to_sun / std::sqrt(r2);
   for (const SunlitNormal& one : facets_->normals) {
     const double cosine = one.normal.dot(s);
@@ -126,7 +126,7 @@ void Sunlight::add_edges(const TorquePlace<double>& place, std::vector<TorqueEdg
 double Sunlight::largest(double t_s, const Vector3& /*moments*/, double /*momentum*/) const {
   const double r2 = trajectory.state(t_s).position_m.squaredNorm();
   // The push of a facet is at most twice that of the light on it.
-  return 2.0 * pressure_pa(r2) * largest_moment_m3_;
+  return 2.0 * std::abs(strength_) * pressure_pa(r2) * largest_moment_m3_;
 }
 
 }  // namespace polhode

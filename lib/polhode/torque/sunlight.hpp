@@ -71,6 +71,12 @@ class Sunlight {
   double evaluations_for_table() const;
   bool has_table() const { return with_table_; }
 
+  /// A factor of the torque: how wrong pressure and surface are together.
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    visit("strength", strength_);
+  }
+
   Trajectory trajectory;  ///< of the body, from the Sun
 
  private:
@@ -80,6 +86,7 @@ class Sunlight {
   bool with_table_ = false;
   double largest_moment_m3_ = 0.0;  // sum over the facets of area times distance
   Surface surface_;
+  double strength_ = 1.0;
 };
 
 }  // namespace polhode
