@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +15,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/motion/partials.hpp"
 #include "polhode/motion/planner.hpp"
-#include "polhode/motion/torqued_motion.hpp"
+#include "polhode/motion/torqued_partials.hpp"
 #include "polhode/read/case_file.hpp"
 #include "polhode/read/quantity.hpp"
 #include "rivals/registry.hpp"
@@ -80,10 +81,15 @@ std::unique_ptr<Motion> make_torqued_motion(const CaseFile& wanted, const EvalOp
 /// Nothing that --partials has no use for.
 void check_partials(const EvalOptions& options, const CaseFile& wanted) {
   if (!wanted.torques.empty()) {
-    throw OptionError(fmt::format("--partials is for free motion; {} has torques ('T' lines)", options.case_file));
+    const auto own = torqued_motion_methods();
+    if (std::find(own.begin(), own.end(), options.method) == own.end()) {
+      throw OptionError(
+          fmt::format("--partials of motion under torques is by {}, not by {}", fmt::join(own, ", "), options.method));
+    }
+    return;
   }
   if (options.method != "auto" || options.step_s != 0.0 || options.most_evaluations != 0) {
-    throw OptionError("--partials is exact; --method, --step and --max-evaluations are not for it");
+    throw OptionError("--partials of free motion is exact; --method, --step and --max-evaluations are not for it");
   }
 }
 
@@ -103,10 +109,15 @@ void eval(const EvalOptions& options) {
   if (options.partials) {
     check_partials(options, wanted);
     matrices.resize(PartialsMatrix::SizeAtCompileTime * count);
+  }
+  if (options.partials && wanted.torques.empty()) {
     FreePartials(wanted.body).batch({wanted.times_s}, states, matrices);
   } else {
     motion = wanted.torques.empty() ? make_free_motion(wanted.body, options) : make_torqued_motion(wanted, options);
     motion->batch({wanted.times_s}, states);
+    if (options.partials) {
+      TorquedPartials(dynamic_cast<const TorquedMotion&>(*motion), {}).batch({wanted.times_s}, matrices);
+    }
   }
 
   fmt::memory_buffer text;
@@ -164,7 +175,7 @@ void add_eval(CLI::App& app) {
                    "Under torques: most torque evaluations to spend")
       ->default_str("8000000 of one torque, fewer of several");
   command->add_flag("--partials", options->partials,
-                    "Go on after m3 with d(theta, m)/d(theta0, m0, I), 6 x 9 row by row: free motion");
+                    "Go on after m3 with d(theta, m)/d(theta0, m0, I), 6 x 9 row by row");
   command->add_option("CASEFILE", options->case_file, "Body at t = 0 and times")->required();
   command->callback([options] { in_file(options->case_file, [&] { eval(*options); }); });
 }

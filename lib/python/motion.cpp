@@ -224,10 +224,13 @@ void bind_motion(nb::module_& m) {
           nb::sig("def mean_rates(self) -> dict[str, float]"), "Of a free motion, in closed form.")
       .def("partials", &partials_of, "t"_a, nb::kw_only(), "threads"_a = 1U,
            nb::sig("def partials(self, t: typing.Any, *, threads: int = 1) -> numpy.typing.NDArray[numpy.float64]"),
-           "Exact partial derivatives of a free motion at t, an array (..., 6, 9): rows theta (a small turn of the "
+           "Partial derivatives of the motion at t, an array (..., 6, 9): rows theta (a small turn of the "
            "attitude in body axes, rad) and the momentum; columns the same two at the epoch, and the principal moments "
-           "I1 <= I2 <= I3. In the axes of the states. A derivative by a moment holds attitude and momentum at the "
-           "epoch, so that the rate changes.")
+           "I1 <= I2 <= I3; under torques also their parameters, as partial_columns names them. In the axes of the "
+           "states. A derivative by a moment holds attitude and momentum at the epoch, so that the rate changes. Of a "
+           "free motion they are exact.")
+      .def_prop_ro("partial_columns", &partial_columns_of, nb::sig("def partial_columns(self) -> list[str]"),
+                   "Names of the columns of partials().")
       .def(
           "observe",
           [](const MotionObject& self, const nb::object& times, const nb::object& target, const nb::object& observer,

@@ -3,6 +3,7 @@
 // The objects of Python that more than one source of the extension module knows.
 
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "polhode/motion/free_bodies.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/motion/motion.hpp"
+#include "polhode/motion/torqued_partials.hpp"
 #include "polhode/read/input_formats.hpp"
 #include "polhode/read/scene_file.hpp"
 #include "polhode/session/body_in_motion.hpp"
@@ -54,6 +56,9 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
   };
   std::optional<NamedAxes> named;
 
+  mutable std::once_flag torqued_partials_made;
+  mutable std::shared_ptr<const TorquedPartials> torqued_partials;
+
   std::optional<Instant> epoch() const { return moving ? std::optional(moving->body.state->epoch) : std::nullopt; }
 };
 
@@ -74,6 +79,7 @@ struct StateObject {
 
 /// Motion.partials(): an array (..., 6, 9) of a free motion, in the axes of its states.
 FloatArray partials_of(const MotionObject& motion, const nb::object& t, unsigned threads);
+std::vector<std::string> partial_columns_of(const MotionObject& motion);
 
 /// Motion.observe(): columns by their names, arrays of the shape of the times.
 struct ObserveArguments {

@@ -3,6 +3,7 @@
 #include <nanobind/stl/shared_ptr.h>
 
 #include <algorithm>
+#include <concepts>
 #include <cstring>
 #include <utility>
 #include <variant>
@@ -228,6 +229,11 @@ struct Trajectories {
   }
 };
 
+template <class One>
+concept HasTrajectory = requires(One one) {
+  { one.trajectory } -> std::same_as<Trajectory&>;
+};
+
 /// What a kind of torque is made of, besides its trajectory; the kinds that are not here have no pickle.
 template <class A>
 void values(A& a, GravityGradient& x) {
@@ -274,7 +280,7 @@ void save(Saver& to, const Torque& torque, Trajectories& trajectories) {
   std::visit(
       [&](auto one) {
         using One = decltype(one);
-        if constexpr (requires { one.trajectory; }) {
+        if constexpr (HasTrajectory<One>) {
           std::size_t place = trajectories.place(one.trajectory);
           pass(to, place);
         }
@@ -304,7 +310,7 @@ Torque load_torque(Loader& from, const std::vector<Trajectory>& trajectories) {
   for_each_torque_kind([&]<class One>() {
     if (index++ != kind) return;
     const Trajectory* trajectory = nullptr;
-    if constexpr (requires(One one) { one.trajectory; }) {
+    if constexpr (HasTrajectory<One>) {
       std::size_t place = 0;
       pass(from, place);
       trajectory = &trajectories.at(place);

@@ -57,8 +57,13 @@ class Program(unittest.TestCase):
         for number, expected in zip(first, [1] + 8 * [0]):
             self.assertAlmostEqual(number, expected, delta=1e-15)
         torqued = f"{DATA}/truth/torqued/combined-01.case"
+        done = run("eval", "--partials", torqued)
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual({len(row.split(" ")) for row in done.stdout.splitlines()}, {61})
+        first = [float(x) for x in done.stdout.split()[7:16]]
+        self.assertEqual(first, [1] + 8 * [0])
         for arguments, complaint in [
-            (["--partials", torqued], f"{torqued} has torques"),
+            (["--partials", "--method", "rk4", torqued], "--partials of motion under torques is by"),
             (["--partials", "--method", "legendre", CASE], "--method"),
             (["--partials", "--step", "1", CASE], "--step"),
         ]:

@@ -1,8 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <span>
 
 #include "polhode/motion/motion.hpp"
+#include "polhode/torque/parameters.hpp"
 
 namespace polhode {
 
@@ -24,6 +27,19 @@ class PropagatedMotion : public Motion {
   std::size_t steps() const { return steps_; }     ///< kept
   std::size_t evaluations() const { return evaluations_; }            ///< of all runs
   std::size_t kept_evaluations() const { return kept_evaluations_; }  ///< of the run that is kept
+
+  /// The partial derivatives of the motion by theta0, m0, I and parameters of the torques: the columns of a matrix as
+  /// in partials.hpp, in principal axes.
+  class Partials {
+   public:
+    virtual ~Partials() = default;
+    /// A matrix of 6 x (9 + parameters) for each time, row by row. Throws what at() throws.
+    virtual void batch(const TimeArrays& times, std::span<double> matrices) const = 0;
+  };
+  /// Of the body and the torques that the motion was made for; one run more over its steps. The motion must outlive it.
+  /// Throws InputError for a motion that has none.
+  virtual std::unique_ptr<const Partials> partials(const FreeBody& body, const Torques& torques_named,
+                                                   std::span<const TorqueParameter> parameters) const;
 
  protected:
   PropagatedMotion() = default;

@@ -10,7 +10,7 @@
 #include <string_view>
 
 #include "polhode/base/error.hpp"
-#include "polhode/motion/taylor/equations.hpp"
+#include "polhode/motion/taylor/legs.hpp"
 #include "polhode/motion/theta.hpp"
 
 namespace polhode {
@@ -64,107 +64,12 @@ int order_for(double local_error) {
                     SteppingTuning::least_order, taylor::kMostOrder);
 }
 
-/// Of the torques that a run is made for.
-struct Parts {
-  int pulls = 0, fields = 0;
-  const KeplerOrbit* only_orbit = nullptr;  // of the only point mass
-  double only_mu_m3_s2 = 0.0;
-  const KeplerOrbit* field_orbit = nullptr;
-  Vector3 dipole_t_m3 = Vector3::Zero();  // inertial
-  Vector3 constant = Vector3::Zero(), outside = Vector3::Zero();
-  Matrix3 damping = Matrix3::Zero(), magnetic_tensor_s_m4 = Matrix3::Zero();
-  double relaxation = 0.0;
-  bool served = true;
-
-  void add(const GravityGradient& one) {
-    only_orbit = pulls++ == 0 ? one.trajectory.orbit() : nullptr;
-    only_mu_m3_s2 = one.mu_m3_s2;
-  }
-  void add(const ConstantTorque& one) { (one.axes == ConstantTorque::Axes::body ? constant : outside) += one.torque; }
-  void add(const ThrusterPulse& /*one*/) {}  // a constant torque between its jumps
-  void add(const LinearDamping& one) { damping += one.coefficients; }
-  void add(const InternalDissipation& one) { relaxation += one.relaxation; }
-  void add(const EddyCurrents& one) {
-    served = served && fields++ == 0;
-    magnetic_tensor_s_m4 = one.magnetic_tensor_s_m4;
-    field_orbit = one.trajectory.orbit();
-    dipole_t_m3 = one.dipole_t_m3 * one.dipole_axis;
-  }
-  template <class Other>
-  void add(const Other& /*one*/) {  // of which nothing but values is known
-    served = false;
-  }
-
-  /// Whether all depends on one orbit.
-  bool plane() const {
-    return pulls == 1 && only_orbit != nullptr && (fields == 0 || field_orbit == only_orbit) && outside.isZero(0.0) &&
-           relaxation == 0.0;
-  }
-};
-
-Parts parts_of(const Torques& torques) {
-  Parts parts;
-  for (const Torque& torque : torques.list()) {
-    std::visit([&](const auto& one) { parts.add(one); }, torque);
-  }
-  return parts;
-}
-
-/// The entry of kEntries in taylor/run.hpp.
-int kinds_of(const Parts& parts) {
-  const bool damped = !parts.damping.isZero(0.0);
-  if (parts.plane()) return parts.fields > 0 ? 7 : damped ? 3 : 2;
-  const bool more = !parts.outside.isZero(0.0) || parts.relaxation != 0.0;
-  if (parts.fields == 0 && parts.pulls == 0) return more ? 4 : damped ? 1 : 0;
-  return more || damped || parts.fields > 0 ? 6 : 5;
-}
-
 /// A step that is not taken, of a span without length.
 taylor::StepStart start_of_step(const taylor::Front& front, int order) {
   taylor::StepStart start{front.t_high, front.t_low, {}, {}, order, 1};
   for (int k = 0; k < taylor::kMostVectors; ++k) std::copy_n(front.high[k], 3, start.state[k]);
   for (int i = 0; i < 3; ++i) start.orbit[i] = static_cast<double>(front.orbit[i]);
   return start;
-}
-
-/// The fixed axes: of the orbit, if it is alone.
-Matrix3Of<Extended> fixed_axes(const Parts& parts) {
-  if (!parts.plane()) return Matrix3Of<Extended>::Identity();
-  const auto [x, y] = parts.only_orbit->axes();
-  Matrix3Of<Extended> axes;
-  axes << x, y, x.cross(y);
-  return axes;
-}
-
-taylor::Equations equations_of(const Vector3& I, const Torques& torques, double unit_s) {
-  const Parts parts = parts_of(torques);
-  taylor::Equations equations;
-  equations.unit_s = unit_s;
-  equations.kinds = kinds_of(parts);
-  equations.slip = static_cast<Extended>(parts.relaxation) * I[0] / unit_s;
-  for (int i = 0; i < 3; ++i) {
-    const Extended a = I[(i + 1) % 3], b = I[(i + 2) % 3], c = I[i], first = I[0];
-    equations.euler_weights[i] = (a - b) / c;
-    equations.moments[i] = c / first;
-    equations.inverse_moments[i] = first / c;
-    equations.constant[i] = parts.constant[i] / c * unit_s * unit_s;
-    equations.outside[i] = parts.outside[i] / first * unit_s * unit_s;
-    for (int k = 0; k < 3; ++k) {
-      equations.damping[k][i] = -parts.damping(i, k) / c * unit_s;
-      equations.magnetic_tensor[k][i] = parts.magnetic_tensor_s_m4(i, k) / I[0] * unit_s;
-    }
-  }
-  if (parts.plane()) {
-    const KeplerElements& elements = parts.only_orbit->elements();
-    taylor::Equations::Orbit& o = equations.orbit;
-    o.orbit = parts.only_orbit;
-    o.eccentricity = elements.eccentricity;
-    o.parameter_m = elements.periapsis_m * (Extended(1) + elements.eccentricity);
-    o.rate = std::sqrt(parts.only_mu_m3_s2 / o.parameter_m) / o.parameter_m * unit_s;
-    const Vector3 dipole = fixed_axes(parts).cast<double>().transpose() * parts.dipole_t_m3;
-    for (int i = 0; i < 3; ++i) o.dipole[i] = dipole[i] / std::pow(static_cast<double>(o.parameter_m), 3);
-  }
-  return equations;
 }
 
 /// A power of two, in which the body turns by about one.
@@ -201,27 +106,13 @@ Quaternion attitude(const Quaternion& inertial_from_fixed, const double* first, 
 
 }  // namespace
 
-struct SeriesMotion::Leg {
-  taylor::Equations equations;
-  std::shared_ptr<const Torques> torques;  // that the equations point to
-  Quaternion inertial_from_fixed;          // of the fixed axes
-  std::vector<taylor::StepStart> steps;
-  double end_s = 0.0;
-  std::size_t steps_before = 0;  // of the legs before
-};
-
-struct SeriesMotion::Place {
-  const Leg* leg = nullptr;
-  std::size_t step = 0;
-};
-
 /// One direction after the other; what both share.
 class SeriesMotion::Builder {
  public:
   Builder(const FreeBody& body, const Torques& torques, const Options& options, std::size_t most)
       : body_(body),
         options_(options),
-        axes_(fixed_axes(parts_of(torques))),
+        axes_(taylor::fixed_axes(torques)),
         unit_s_(unit_of_time_s(body, torques, options.last_s - options.first_s)),
         left_(most) {
     const double rate = body.momentum_body.cwiseQuotient(body.principal_moments).norm();
@@ -233,7 +124,7 @@ class SeriesMotion::Builder {
                 Quaternion(ExtendedQuaternion(axes_).cast<double>()),
                 {},
                 one.to_s};
-        leg.equations = equations_of(body.principal_moments, *leg.torques, unit_s_);
+        leg.equations = taylor::equations_of(body.principal_moments.cast<Extended>(), *leg.torques, unit_s_);
         legs->push_back(std::move(leg));
       }
     }
@@ -326,7 +217,7 @@ class SeriesMotion::Builder {
   double worst_rad_ = 0.0, largest_local_error_ = 0.0;
 };
 
-bool SeriesMotion::serves(const Torques& torques) { return parts_of(torques).served; }
+bool SeriesMotion::serves(const Torques& torques) { return taylor::have_series(torques); }
 
 SeriesMotion::SeriesMotion(const FreeBody& body, const Torques& torques, const Options& options)
     : moments_(body.principal_moments) {
@@ -441,11 +332,9 @@ Quaternion SeriesMotion::q_at_start(const Place& place) {
 void SeriesMotion::expand(const Place& place, Series& series) const {
   const Leg& leg = *place.leg;
   const taylor::StepStart& start = leg.steps[place.step];
-  const double end =
-      place.step + 1 < leg.steps.size() ? leg.steps[place.step + 1].t_high : leg.end_s / leg.equations.unit_s;
   series.place = place;
   series.q_at_start = q_at_start(place);
-  taylor::best_kernel().coefficients(leg.equations, start, start.order, std::abs(end - start.t_high),
+  taylor::best_kernel().coefficients(leg.equations, start, start.order, std::abs(leg.length(place.step)),
                                      series.coefficients);
 }
 

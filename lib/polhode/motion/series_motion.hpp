@@ -24,6 +24,9 @@ class SeriesMotion final : public PropagatedMotion {
   /// The first time that it is asked within a step, the step's series is computed, and kept if there is room (64 MB).
   State at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;
+  /// By the equations of a small change of the motion, in series of the same orders as the steps (series_partials.cpp).
+  std::unique_ptr<const Partials> partials(const FreeBody& body, const Torques& torques_named,
+                                           std::span<const TorqueParameter> parameters) const override;
 
  private:
   struct Leg;        // between two jumps of the torques
@@ -31,6 +34,7 @@ class SeriesMotion final : public PropagatedMotion {
   struct Series;     // of the state about the start of a step
   struct Expansion;  // a step and its series
   struct Memory;     // of series
+  class SeriesPartials;
   class Builder;
   Place place(double t_s) const;
   bool is_in(const Place& place, double t_s) const;

@@ -33,8 +33,7 @@ std::span<const std::string_view> torqued_motion_methods() {
 }
 
 TorquedMotion::TorquedMotion(const FreeBody& body, const Torques& torques_named, const TorquedOptions& options)
-    : method_(options.method), tolerance_rad_(options.tolerance_rad) {
-  checked(body);
+    : body_(checked(body)), torques_(torques_named), method_(options.method), tolerance_rad_(options.tolerance_rad) {
   const Torques torques = torques_named.in_principal_axes(body.named_from_principal);
   if (!(options.tolerance_rad > 0.0 && std::isfinite(options.tolerance_rad))) {
     throw InputError(fmt::format("the tolerance is {}, a positive angle in radians is wanted", options.tolerance_rad));

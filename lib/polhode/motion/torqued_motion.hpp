@@ -60,8 +60,13 @@ class TorquedMotion final : public Motion {
   std::size_t steps() const { return engine_->steps(); }                               ///< kept
   std::size_t torque_evaluations() const { return engine_->evaluations(); }            ///< of all runs
   std::size_t kept_torque_evaluations() const { return engine_->kept_evaluations(); }  ///< of the run that is kept
+  const FreeBody& body() const { return body_; }
+  const Torques& torques() const { return torques_; }  ///< in the axes that the body names
 
  private:
+  friend class TorquedPartials;
+  FreeBody body_;
+  Torques torques_;
   std::shared_ptr<const PropagatedMotion> engine_;
   Outcome outcome_ = Outcome::done;
   std::string method_;

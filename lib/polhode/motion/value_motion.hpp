@@ -30,6 +30,10 @@ class ValueMotion final : public PropagatedMotion {
   State at(double t_high_s, double t_low_s = 0.0) const override;
   /// Where times ascend, or several lie in a step, much faster than one by one; the same bits.
   void batch(const TimeArrays& times, const StateArrays& out) const override;
+  /// By differences of each step's end from starts and parameters a little to either side: within some 1e-8 of a
+  /// column's size; where torques have kinks, as far as a step's end is smooth.
+  std::unique_ptr<const Partials> partials(const FreeBody& body, const Torques& torques_named,
+                                           std::span<const TorqueParameter> parameters) const override;
 
  private:
   struct Node;                    // a step's end
@@ -43,6 +47,7 @@ class ValueMotion final : public PropagatedMotion {
     bool operator==(const Place&) const = default;
   };
   class Step;
+  class ValuePartials;
   Place place(double t_s, const Place& before) const;
 
   Vector3 moments_;

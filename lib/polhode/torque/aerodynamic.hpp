@@ -75,7 +75,7 @@ class Aerodynamic {
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
     const Flow flow = flow_at(place);
-    if (flow.pressure_pa > 0.0) {
+    if (flow.pressure_pa != 0.0) {
       terms.constant += (flow.pressure_pa * facets_.torque_m3(flow.from_body)).template cast<Real>();
     }
   }
@@ -96,6 +96,11 @@ class Aerodynamic {
   }
   bool has_table() const { return facets_.has_table(); }
   double evaluations_for_table() const { return facets_.evaluations_for_table(); }
+
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    visit("density_kg_m3", atmosphere_.density_kg_m3);
+  }
 
   Trajectory trajectory;  ///< of the body, from the planet
 

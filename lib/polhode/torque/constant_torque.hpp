@@ -22,6 +22,10 @@ struct ConstantTorque {
     return {table.vector3("torque_n_m"), body ? Axes::body : Axes::inertial};
   }
   void check() const { check_finite("the torque", torque); }
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    for (int i = 0; i < 3; ++i) visit(kComponentNames[i], torque[i]);
+  }
   ConstantTorque turned(const Matrix3& to_from) const {
     return axes == Axes::body ? ConstantTorque{to_from * torque, axes} : *this;
   }

@@ -32,6 +32,17 @@ struct EddyCurrents {
   /// Throws InputError for a tensor that is not symmetric (within 1e-9 of its size), an axis that is not of length 1
   /// (likewise), a dipole that is negative, or a number that is not finite.
   void check() const;
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    Matrix3& M = magnetic_tensor_s_m4;
+    visit("magnetic_tensor_xx", M(0, 0));
+    visit("magnetic_tensor_yy", M(1, 1));
+    visit("magnetic_tensor_zz", M(2, 2));
+    visit("magnetic_tensor_yz", M(1, 2), &M(2, 1));
+    visit("magnetic_tensor_zx", M(2, 0), &M(0, 2));
+    visit("magnetic_tensor_xy", M(0, 1), &M(1, 0));
+    visit("dipole_t_m3", dipole_t_m3);
+  }
   EddyCurrents turned(const Matrix3& to_from) const {
     return {to_from * magnetic_tensor_s_m4 * to_from.transpose(), dipole_axis, dipole_t_m3, trajectory};
   }

@@ -26,6 +26,10 @@ struct GravityGradient {
     return {table.orbit().mu_m3_s2, table.orbit().trajectory};
   }
   void check() const;
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    visit("mu_m3_s2", mu_m3_s2);
+  }
   const GravityGradient& turned(const Matrix3&) const { return *this; }
 
   double largest(double t_s, const Vector3& moments, double momentum) const;

@@ -33,6 +33,10 @@ struct InternalDissipation {
                          [&] { return from_quality_factor(quality_factor, table.moments(), table.momentum()); });
   }
   void check() const;
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    visit("relaxation", relaxation);
+  }
   const InternalDissipation& turned(const Matrix3&) const { return *this; }
 
   double largest(double, const Vector3& moments, double momentum) const {

@@ -22,6 +22,11 @@ struct LinearDamping {
     return LinearDamping(Vector3::Constant(table.number("coefficient_n_m_s")));
   }
   void check() const { check_finite("the coefficient", coefficients); }
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    static constexpr std::string_view names[3] = {"coefficient_x", "coefficient_y", "coefficient_z"};
+    for (int i = 0; i < 3; ++i) visit(names[i], coefficients(i, i));
+  }
   LinearDamping turned(const Matrix3& to_from) const {
     LinearDamping other = *this;
     other.coefficients = to_from * coefficients * to_from.transpose();

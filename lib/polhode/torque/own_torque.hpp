@@ -63,6 +63,9 @@ class OwnTorque {
             .template cast<Real>();
   }
 
+  template <class Visit>
+  void parameters(const Visit& /*visit*/) {}  // they are the function's own
+
   std::optional<Trajectory> trajectory;
 
  private:

@@ -39,7 +39,7 @@ std::vector<double> Sunlight::times_of_kinks_s(double first_s, double last_s) co
 }
 
 double Sunlight::largest(double t_s, const Vector3& /*moments*/, double /*momentum*/) const {
-  return pressure_pa(trajectory.state(t_s).position_m.squaredNorm()) * facets_.largest_m3();
+  return std::abs(strength_) * pressure_pa(trajectory.state(t_s).position_m.squaredNorm()) * facets_.largest_m3();
 }
 
 }  // namespace polhode

@@ -79,13 +79,13 @@ class Sunlight {
   /// N m, in the axes of the facets, without an eclipse; `to_sun_body_m` is the vector from the body to the Sun, not 0.
   Vector3 torque(const Vector3& to_sun_body_m) const {
     const double r2 = to_sun_body_m.squaredNorm();
-    return pressure_pa(r2) * facets_.torque_m3(to_sun_body_m / std::sqrt(r2));
+    return strength_ * pressure_pa(r2) * facets_.torque_m3(to_sun_body_m / std::sqrt(r2));
   }
 
   template <class Real>
   void add(const TorquePlace<Real>& place, const Vector3Of<Real>&, TorqueTerms<Real>& terms) const {
     const Light light = light_at(place);
-    if (light.pressure_pa > 0.0) {
+    if (light.pressure_pa != 0.0) {
       terms.constant += (light.pressure_pa * facets_.torque_m3(light.from_body)).template cast<Real>();
     }
   }
@@ -108,6 +108,12 @@ class Sunlight {
   bool has_table() const { return facets_.has_table(); }
   double evaluations_for_table() const { return facets_.evaluations_for_table(); }
 
+  /// A factor of the torque: how wrong pressure and surface are together.
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    visit("strength", strength_);
+  }
+
   Trajectory trajectory;                        ///< of the body, from the Sun
   std::optional<Trajectory> second_trajectory;  ///< and from a ball that eclipses it
 
@@ -121,7 +127,7 @@ class Sunlight {
     const Vector3 to_sun_m = -place.orbit->position_m.template cast<double>();
     const double r2 = to_sun_m.squaredNorm();
     Light light{place.inertial_from_body.template cast<double>().transpose() * (to_sun_m / std::sqrt(r2)),
-                pressure_pa(r2)};
+                strength_ * pressure_pa(r2)};
     if (place.second_orbit != nullptr) {
       light.pressure_pa *= lit_share(to_sun_m, place.second_orbit->position_m.template cast<double>(), ball_radius_m_);
     }
@@ -132,6 +138,7 @@ class Sunlight {
 
   Facets facets_;
   double ball_radius_m_ = 0.0;
+  double strength_ = 1.0;
 };
 
 }  // namespace polhode

@@ -66,6 +66,9 @@ struct TorqueStream {
   std::span<const FacetNormal> edges;
 };
 
+/// Parameters that are components of a torque.
+inline constexpr std::string_view kComponentNames[3] = {"torque_x", "torque_y", "torque_z"};
+
 /// Throws InputError "`what` is …, a finite one is wanted" if an element is NaN or infinite.
 void check_finite(std::string_view what, const Eigen::Ref<const Eigen::MatrixXd>& values);
 void check_finite(std::string_view what, double value);

@@ -26,6 +26,10 @@ struct ThrusterPulse {
   }
   /// Throws InputError for a duration that is not positive, or too short beside the start to count.
   void check() const;
+  template <class Visit>
+  void parameters(const Visit& visit) {
+    for (int i = 0; i < 3; ++i) visit(kComponentNames[i], torque_body[i]);
+  }
   ThrusterPulse turned(const Matrix3& to_from) const { return {start_s, duration_s, to_from * torque_body}; }
   double largest(double t_s, const Vector3&, double) const {
     return start_s <= t_s && t_s <= end_s() ? torque_body.norm() : 0.0;

@@ -25,6 +25,9 @@ namespace polhode {
 ///     needs_absolute_inertia       whether it means nothing to a body whose moments are ratios
 ///     read(table)                  the torque of a scene's table (read/torque_table.hpp says what a table answers)
 ///     check()                      throws InputError for what its description excludes; Torques calls it
+///     parameters(visit)            visit(name, number) for each number that its torque grows with in proportion, or
+///                                  visit(name, number, &other) for two that are equal; and for mu_m3_s2 and
+///                                  dipole_t_m3, which parameters.hpp knows
 ///     turned(to_from)              the same torque in other body axes, v_to = R v_from
 ///     largest(t_s, moments, |m|)   no attitude, and no momentum of this length, feels a larger torque at time t
 ///     add(place, moments, terms)   its part of TorqueTerms; or, for a torque that jumps in time and is constant

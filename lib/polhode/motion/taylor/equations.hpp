@@ -1,7 +1,10 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
+
+#include "polhode/body/body.hpp"
 
 namespace polhode {
 class KeplerOrbit;
@@ -11,7 +14,8 @@ class Torques;
 namespace polhode::taylor {
 
 inline constexpr int kMostOrder = 36;
-inline constexpr int kMostVectors = 4;  ///< of a state: the rate, and two or three fixed axes seen from the body
+inline constexpr int kStateColumns = 6;  ///< of the partial derivatives
+inline constexpr int kMostVectors = 4;   ///< of a state: the rate, and two or three fixed axes seen from the body
 
 /// A number as a sum of two.
 struct TwoParts {
@@ -19,18 +23,25 @@ struct TwoParts {
   explicit operator double() const { return high; }
 };
 
-/// The body and its torques in numbers. The unit of time is `unit_s`, a power of two; x, y, z are the principal axes.
-struct Equations {
-  double unit_s = 1.0;
-  long double euler_weights[3];    ///< (I2 - I3)/I1, ...
-  long double constant[3] = {};    ///< the torque that keeps its components, over the moments
-  long double damping[3][3] = {};  ///< [column][row] of -D, over the moments
+/// The body and its torques in numbers; x, y, z are the principal axes.
+struct BodyNumbers {
+  long double euler_weights[3] = {};  ///< (I2 - I3)/I1, ...
+  long double constant[3] = {};       ///< the torque that keeps its components, over the moments
+  long double damping[3][3] = {};     ///< [column][row] of -D, over the moments
 
-  long double outside[3] = {};        ///< the torque that keeps its components along the fixed axes
-  long double inverse_moments[3];     ///< beside the first
-  long double slip = 0.0;             ///< k of internal dissipation, times the first moment and the unit of rate
-  long double moments[3];             ///< over the first
-  double magnetic_tensor[3][3] = {};  ///< [column][row] of M, over the first moment: B^2 times it is a rate
+  long double outside[3] = {};             ///< the torque that keeps its components along the fixed axes
+  long double inverse_moments[3] = {};     ///< beside the first
+  long double slip_weights[3] = {};        ///< k (I2 - I3), ..., with k of internal dissipation times the unit of rate
+  long double moments[3] = {};             ///< over the first
+  long double magnetic_tensor[3][3] = {};  ///< [column][row] of M, over the first moment: B^2 times it is a rate
+
+  /// (these - others) / by
+  BodyNumbers change_from(const BodyNumbers& others, long double by) const;
+};
+
+/// The unit of time is `unit_s`, a power of two.
+struct Equations : BodyNumbers {
+  double unit_s = 1.0;
 
   /// Of what else moves: series of the tide and of a magnetic field are found from these.
   const Torques* torques = nullptr;
@@ -47,6 +58,13 @@ struct Equations {
   /// Which torques there are: the entry of kEntries in run.hpp.
   int kinds = 0;
 };
+
+/// The equations of a body under torques in principal axes. fixed_axes() are those that its torques from outside are
+/// given along: of the orbit, if all depends on one, else of the inertial frame.
+Equations equations_of(const Eigen::Matrix<long double, 3, 1>& moments, const Torques& torques, double unit_s);
+Eigen::Matrix<long double, 3, 3> fixed_axes(const Torques& torques);
+/// Whether all torques have series.
+bool have_series(const Torques& torques);
 
 /// Where a run has come to.
 struct Front {
@@ -92,6 +110,20 @@ void find_surroundings(const Equations& equations, const StepStart& start, int o
 /// The orbit at a time, in the form of Front::orbit.
 void exact_orbit(const Equations& equations, double t_high, double t_low, long double (&state)[3]);
 
+/// A small change of the state: of the rate, and a small turn in the body's axes.
+struct StateChange {
+  double rate[4] = {}, turn_rad[4] = {};
+};
+
+/// What a parameter's growth by one makes of the equations.
+struct ParameterChange {
+  BodyNumbers numbers;
+  /// Of the series of the tide, of the field and of the field's own change: by these shares of themselves, and as if
+  /// time since `from` went faster by `haste`. It is those of `torques`, or of all if that is null.
+  double tide = 0.0, field = 0.0, own_change = 0.0, haste = 0.0, from = 0.0;
+  const Torques* torques = nullptr;
+};
+
 struct Kernel {
   const char* name;
   /// Takes up to `most` steps, as far as the end; returns how many.
@@ -99,6 +131,11 @@ struct Kernel {
   /// The coefficients of the state, [order][vector][component], order + 1 of them.
   void (*coefficients)(const Equations& equations, const StepStart& start, int order, double length,
                        double (*out)[kMostVectors][4]);
+  /// From what the state has changed by at the start of a step, the same at times since then: [time][column]. Column k
+  /// is for no parameter below kStateColumns, then for each parameter.
+  void (*vary)(const Equations& equations, const StepStart& start, double length,
+               std::span<const ParameterChange> parameters, const StateChange* starts, std::span<const double> times,
+               StateChange* out);
   /// The state at a time since the start of the step.
   void (*evaluate)(const double (*coefficients)[kMostVectors][4], int order, double t, double (*state)[4]);
 };

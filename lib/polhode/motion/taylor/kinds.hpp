@@ -6,9 +6,8 @@
 //     add(body, sums, j, n)         the terms of coefficients j and n - j, 0 < j < n
 //     finish(body, sums, n, change) the terms with the newest coefficients, and its coefficient n over the moments of
 //                                   inertia to `change`
-//     vary(series, variation, varied, n, change)  the coefficient n of what a small change of the state makes of it;
-//     Varied<n>
-//                                   are the series that this needs
+//     vary(series, variation, varied, n, change)  the coefficient n of what a small change of the state, or several,
+//                                   makes of it; Varied<W, n> are the series that this needs
 //     take(lower, n)                its own series' coefficient n from one of other vectors, rounded
 
 #include "polhode/motion/taylor/series.hpp"
@@ -48,15 +47,15 @@ struct Pull {
           [&](int j, int m) __attribute__((always_inline)) { sums.products.add(p, j, m); }, n);
       add_product(change, sums.products.xyz(), weights);
     }
-    template <int lower>
-    using Varied = VectorSeries<Vector, lower>;  // the change of p
-    template <class Series, class Variation, int lower>
+    template <class W, int lower>
+    using Varied = VectorSeries<W, lower>;  // the change of p
+    template <class Series, class Variation, class W, int lower>
     [[gnu::always_inline]] void vary(const Series& /*series*/, const Variation& variation,
-                                     VectorSeries<Vector, lower>& p_change, int n, Vector& change) const {
-      CrossProduct<Vector> turned;
+                                     VectorSeries<W, lower>& p_change, int n, W& change) const {
+      CrossProduct<W> turned;
       for (int j = 0; j <= n; ++j) turned.add(p, variation.turn, j, n);
       p_change.set(n, turned.xyz());
-      PairChange<Vector> products;
+      PairChange<W> products;
       for (int j = 0; j <= n; ++j) products.add(p, p_change, j, n);
       add_product(change, products.xyz(), weights);
     }
@@ -81,11 +80,11 @@ struct Damping {
     add_product(change, all_x(body.omega.yzx[n]), columns[1]);
     add_product(change, all_x(yzx(body.omega.yzx[n])), columns[2]);
   }
-  template <int lower>
+  template <class W, int lower>
   struct Varied {};
-  template <class Series, class Variation, class Nothing>
+  template <class Series, class Variation, class Nothing, class W>
   [[gnu::always_inline]] void vary(const Series& /*series*/, const Variation& variation, Nothing& /*varied*/, int n,
-                                   Vector& change) const {
+                                   W& change) const {
     add_product(change, all_x(variation.omega.xyz[n]), columns[0]);
     add_product(change, all_x(variation.omega.yzx[n]), columns[1]);
     add_product(change, all_x(yzx(variation.omega.yzx[n])), columns[2]);
@@ -133,16 +132,16 @@ struct Tide {
     }
     add_product(change, yzx(sums.products), weights);
   }
-  template <int lower>
+  template <class W, int lower>
   struct Varied {
-    VectorSeries<Vector, lower> axis[3];
+    VectorSeries<W, lower> axis[3];
   };
-  template <class Series, class Variation, int lower>
-  [[gnu::always_inline]] void vary(const Series& series, const Variation& variation, Varied<lower>& varied, int n,
-                                   Vector& change) const {
-    PairChange<Vector> products;
+  template <class Series, class Variation, class W, int lower>
+  [[gnu::always_inline]] void vary(const Series& series, const Variation& variation, Varied<W, lower>& varied, int n,
+                                   W& change) const {
+    PairChange<W> products;
     for (int k = 0; k < 3; ++k) {
-      CrossProduct<Vector> turned;
+      CrossProduct<W> turned;
       for (int j = 0; j <= n; ++j) turned.add(series.body.axis[k], variation.turn, j, n);
       varied.axis[k].set(n, turned.xyz());
       for (int j = 0; j <= n; ++j) products.add(n_[k], varied.axis[k], j, n);
@@ -172,12 +171,12 @@ struct Outside {
     torque.set(n, sum);
     add_product(change, sum, inverse_moments);
   }
-  template <int lower>
+  template <class W, int lower>
   struct Varied {};
-  template <class Series, class Variation, class Nothing>
+  template <class Series, class Variation, class Nothing, class W>
   [[gnu::always_inline]] void vary(const Series& /*series*/, const Variation& variation, Nothing& /*varied*/, int n,
-                                   Vector& change) const {
-    CrossProduct<Vector> turned;
+                                   W& change) const {
+    CrossProduct<W> turned;
     for (int j = 0; j <= n; ++j) turned.add(torque, variation.turn, j, n);
     add_product(change, turned.xyz(), inverse_moments);
   }
@@ -187,9 +186,9 @@ struct Outside {
   }
 };
 
-template <class V>
-[[gnu::always_inline]] inline V transformed(const V (&columns)[3], const V& a) {
-  V sum = {};
+template <class V, class W>
+[[gnu::always_inline]] inline W transformed(const V (&columns)[3], const W& a) {
+  W sum = {};
   add_product(sum, all_x(a), columns[0]);
   add_product(sum, all_x(yzx(a)), columns[1]);
   add_product(sum, all_x(yzx(yzx(a))), columns[2]);
@@ -237,14 +236,14 @@ struct Eddy {
         [&](int j, int m) __attribute__((always_inline)) { sums.torque.add(B, induced, j, m); }, n);
     add_product(out, sums.torque.xyz(), inverse_moments);
   }
-  template <int lower>
+  template <class W, int lower>
   struct Varied {
-    VectorSeries<Vector, lower> B, induced;
+    VectorSeries<W, lower> B, induced;
   };
-  template <class Series, class Variation, int lower>
-  [[gnu::always_inline]] void vary(const Series& series, const Variation& variation, Varied<lower>& varied, int n,
-                                   Vector& out) const {
-    CrossProduct<Vector> turned_B, turned_D, C, torque;
+  template <class Series, class Variation, class W, int lower>
+  [[gnu::always_inline]] void vary(const Series& series, const Variation& variation, Varied<W, lower>& varied, int n,
+                                   W& out) const {
+    CrossProduct<W> turned_B, turned_D, C, torque;
     for (int j = 0; j <= n; ++j) {
       turned_B.add(B, variation.turn, j, n);
       turned_D.add(D, variation.turn, j, n);
@@ -300,20 +299,23 @@ struct Slip {
         [&](int j, int m_) __attribute__((always_inline)) { sums.torque.add(m, kl, j, m_); }, n);
     add_product(change, sums.torque.xyz(), inverse_moments);
   }
-  template <int lower>
+  template <class W, int lower>
   struct Varied {
-    VectorSeries<Vector, lower> m, kl;
+    VectorSeries<W, lower> m, kl;
   };
-  template <class Variation, int lower>
-  [[gnu::always_inline]] void slip_varied(const Variation& variation, Varied<lower>& varied, const Vector& products,
+  template <class Variation, class W, int lower>
+  [[gnu::always_inline]] void slip_varied(const Variation& variation, Varied<W, lower>& varied, const W& products,
                                           int n) const {
-    varied.kl.set(n, products * weights);
-    varied.m.set(n, variation.omega.xyz[n] * moments);
+    W kl_change = {}, m_change = {};
+    add_product(kl_change, products, weights);
+    add_product(m_change, variation.omega.xyz[n], moments);
+    varied.kl.set(n, kl_change);
+    varied.m.set(n, m_change);
   }
-  template <class Series, class Variation, int lower>
-  [[gnu::always_inline]] void vary(const Series& /*series*/, const Variation& /*variation*/, Varied<lower>& varied,
-                                   int n, Vector& change) const {
-    CrossProduct<Vector> torque;
+  template <class Series, class Variation, class W, int lower>
+  [[gnu::always_inline]] void vary(const Series& /*series*/, const Variation& /*variation*/, Varied<W, lower>& varied,
+                                   int n, W& change) const {
+    CrossProduct<W> torque;
     for (int j = 0; j <= n; ++j) {
       torque.add(varied.m, kl, j, n);
       torque.add(m, varied.kl, j, n);

@@ -13,7 +13,8 @@ inline constexpr int kPreciseOrders = 5;
 
 template <int fixed_axes>
 struct NoSurroundings {
-  static constexpr int axes = fixed_axes;
+  static constexpr int axes = fixed_axes, pulls = 0;
+  static constexpr bool has_field = false;
   explicit NoSurroundings(const Equations& /*equations*/) {}
   void begin(const StepStart& /*start*/, int /*order*/, double /*longest*/) {}
   void next(int /*n*/) {}
@@ -27,7 +28,8 @@ struct NoSurroundings {
 /// Any others, as series that find_surroundings() gives.
 class AnySurroundings {
  public:
-  static constexpr int axes = 3;
+  static constexpr int axes = 3, pulls = 6;
+  static constexpr bool has_field = true;
   explicit AnySurroundings(const Equations& equations) : equations_(equations) {}
   void begin(const StepStart& start, int order, double longest) {
     find_surroundings(equations_, start, order, longest, now_);
@@ -48,8 +50,12 @@ class AnySurroundings {
   template <bool precise>
   void move(double /*h*/, int /*order*/, long double (&/*state*/)[3]) const {}
 
-  const Surroundings& of(double /*like*/) const { return now_; }
-  const auto& of(TwoParts /*like*/) const { return low_; }
+  const double* along(int k, double /*like*/) const { return now_.tide[k]; }
+  const TwoParts* along(int k, TwoParts /*like*/) const { return low_.tide[k]; }
+  const double* field(int k, double /*like*/) const { return now_.field[k]; }
+  const TwoParts* field(int k, TwoParts /*like*/) const { return low_.field[k]; }
+  const double* change(int k, double /*like*/) const { return now_.change[k]; }
+  const TwoParts* change(int k, TwoParts /*like*/) const { return low_.change[k]; }
 
  private:
   struct Low {
@@ -72,7 +78,8 @@ class AnySurroundings {
 template <bool with_field>
 class PlanarOrbit {
  public:
-  static constexpr int axes = with_field ? 3 : 2;
+  static constexpr int axes = with_field ? 3 : 2, pulls = 2;
+  static constexpr bool has_field = with_field;
   const double* along(int k, double /*like*/) const { return p_[k]; }
   const TwoParts* along(int k, TwoParts /*like*/) const { return low_p_[k]; }
   const double* field(int k, double /*like*/) const { return field_[k]; }

@@ -12,6 +12,11 @@ inline constexpr int kStepsBetweenExactOrbits = 16;
 inline constexpr double kRounding = 1e-16, kRoundingWhenPrecise = 1e-19, kRoundingOfOrbit = 2e-16;
 inline constexpr double kMostTurn_rad = 2.5;  ///< of a step: the sign of a quaternion stays certain
 
+/// By three parameters.
+struct NumberChanges {
+  const BodyNumbers* by[3] = {};
+};
+
 template <class Around, template <class, int> class... Kinds>
 struct Engine {
   using Plain = Series<Vector, kMostOrder, Around::axes, Kinds...>;
@@ -26,66 +31,84 @@ struct Engine {
 
   template <class Any>
   void set(Any& series) {
-    for (int i = 0; i < 3; ++i) {
-      set_lane(series.euler_weights, i, equations.euler_weights[i]);
-      set_lane(series.constant, i, equations.constant[i]);
-    }
+    set(series, equations, around);
+  }
+  template <class Any, class Source>
+  static void set(Any& series, const BodyNumbers& numbers, const Source& source, const NumberChanges& changes = {}) {
+    using V = std::remove_cvref_t<decltype(series.euler_weights)>;
+    const auto set_all = [&](V& vector, const auto& of) {
+      const Three values = of(numbers);
+      for (int i = 0; i < 3; ++i) set_lane(vector, i, values[i]);
+      if constexpr (std::is_same_v<V, VaryingVector>) {
+        for (int c = 0; c < 3; ++c) {
+          const Three change = of(*changes.by[c]);
+          for (int i = 0; i < 3; ++i) vector.change.of[c][i] = static_cast<double>(change[i]);
+        }
+      }
+    };
+    set_all(series.euler_weights, [](const BodyNumbers& p) { return three(p.euler_weights); });
+    set_all(series.constant, [](const BodyNumbers& p) { return three(p.constant); });
     [&]<std::size_t... k>(std::index_sequence<k...>) __attribute__((always_inline)) {
-      (set_kind<std::remove_cvref_t<decltype(series.euler_weights)>>(std::get<k>(series.torques)), ...);
+      (set_kind<V>(std::get<k>(series.torques), numbers, changes, source, set_all), ...);
     }
     (std::index_sequence_for<Kinds<Vector, 1>...>{});
   }
+  struct Three {
+    long double xyz[3];
+    long double operator[](int i) const { return xyz[i]; }
+  };
+  static Three three(const long double (&values)[3]) { return {values[0], values[1], values[2]}; }
   static void set_lane(Vector& v, int i, long double value) { v[i] = static_cast<double>(value); }
   static void set_lane(PreciseVector& v, int i, long double value) {
     v.high[i] = static_cast<double>(value);
     v.low[i] = static_cast<double>(value - v.high[i]);
   }
+  static void set_lane(VaryingVector& v, int i, long double value) { set_lane(v.value, i, value); }
   static void set_number(double& number, long double value) { number = static_cast<double>(value); }
   static void set_number(TwoParts& number, long double value) {
     number.high = static_cast<double>(value);
     number.low = static_cast<double>(value - number.high);
   }
-  template <class V, class Kind>
-  void set_kind(Kind& kind) {
-    const auto set_all = [&](auto& vector, const long double(&values)[3]) {
-      for (int i = 0; i < 3; ++i) set_lane(vector, i, values[i]);
-    };
-    const long double(&w)[3] = equations.euler_weights;
-    if constexpr (requires { kind.weights; }) set_all(kind.weights, {-w[0], -w[1], -w[2]});
-    if constexpr (requires { kind.inverse_moments; }) set_all(kind.inverse_moments, equations.inverse_moments);
+  static void set_number(Varying& number, long double value) { number.value = static_cast<double>(value); }
+  template <class V, class Kind, class Source, class SetAll>
+  static void set_kind(Kind& kind, const BodyNumbers& numbers, const NumberChanges& changes, const Source& source,
+                       const SetAll& set_all) {
+    const Number<V> like{};
     if constexpr (requires { kind.rate; }) {
-      const long double(&m)[3] = equations.moments;
-      set_all(kind.weights,
-              {equations.slip * (m[1] - m[2]), equations.slip * (m[2] - m[0]), equations.slip * (m[0] - m[1])});
-      set_all(kind.moments, m);
+      set_all(kind.weights, [](const BodyNumbers& p) { return three(p.slip_weights); });
+      set_all(kind.moments, [](const BodyNumbers& p) { return three(p.moments); });
+    } else if constexpr (requires { kind.weights; }) {
+      set_all(kind.weights, [](const BodyNumbers& p) {
+        return Three{-p.euler_weights[0], -p.euler_weights[1], -p.euler_weights[2]};
+      });
+    }
+    if constexpr (requires { kind.inverse_moments; }) {
+      set_all(kind.inverse_moments, [](const BodyNumbers& p) { return three(p.inverse_moments); });
     }
     if constexpr (requires { kind.components; }) {
-      for (int k = 0; k < 3; ++k) set_number(kind.components[k], equations.outside[k]);
-    }
-    if constexpr (requires { kind.columns; }) {
       for (int k = 0; k < 3; ++k) {
-        if constexpr (requires { kind.field; }) {
-          for (int i = 0; i < 3; ++i) set_lane(kind.columns[k], i, equations.magnetic_tensor[k][i]);
-        } else {
-          set_all(kind.columns[k], equations.damping[k]);
+        set_number(kind.components[k], numbers.outside[k]);
+        if constexpr (std::is_same_v<V, VaryingVector>) {
+          for (int c = 0; c < 3; ++c) kind.components[k].change[c] = static_cast<double>(changes.by[c]->outside[k]);
         }
       }
     }
-    if constexpr (requires { around.of(Number<V>{}); }) {
-      const auto& series = around.of(Number<V>{});
-      if constexpr (requires { kind.along; }) {
-        for (int k = 0; k < 6; ++k) kind.along[k] = series.tide[k];
-      }
-      if constexpr (requires { kind.field; }) {
-        for (int k = 0; k < 3; ++k) kind.field[k] = series.field[k], kind.change[k] = series.change[k];
-      }
-    } else if constexpr (requires { kind.along; }) {
-      for (auto& series : kind.along) series = around.along(static_cast<int>(&series - kind.along), Number<V>{});
-    } else if constexpr (requires { kind.field; }) {
+    if constexpr (requires { kind.columns; }) {
       for (int k = 0; k < 3; ++k) {
-        kind.field[k] = around.field(k, Number<V>{});
-        kind.change[k] = around.change(k, Number<V>{});
+        set_all(kind.columns[k], [k](const BodyNumbers& p) {
+          if constexpr (requires { kind.field; }) {
+            return three(p.magnetic_tensor[k]);
+          } else {
+            return three(p.damping[k]);
+          }
+        });
       }
+    }
+    if constexpr (requires { kind.along; }) {
+      for (auto& series : kind.along) series = source.along(static_cast<int>(&series - kind.along), like);
+    }
+    if constexpr (requires { kind.field; }) {
+      for (int k = 0; k < 3; ++k) kind.field[k] = source.field(k, like), kind.change[k] = source.change(k, like);
     }
   }
 
@@ -286,6 +309,151 @@ void coefficients_of(const Equations& equations, const StepStart& start, int ord
   }
 }
 
+/// The surroundings of an engine with their derivatives by three parameters.
+template <class Around>
+class VaryingAround {
+ public:
+  const Varying* along(int k, const Varying& /*like*/) const { return along_[k]; }
+  const Varying* field(int k, const Varying& /*like*/) const { return field_[k]; }
+  const Varying* change(int k, const Varying& /*like*/) const { return change_[k]; }
+
+  /// The parameter `c` of three.
+  void find(int c, const Equations& equations, const Around& around, const ParameterChange& by, const StepStart& start,
+            int order, double length) {
+    const auto fill = [&](const auto& changing) {
+      const double since = (start.t_high - by.from) + start.t_low;
+      const auto set = [&](Varying* out, const double* values, const double* from, double share, int known) {
+        for (int n = 0; n < order; ++n) {
+          const double next = n < known ? from[n + 1] : 0.0;
+          out[n].value = values[n];
+          out[n].change[c] = (share + by.haste * n) * from[n] + by.haste * since * (n + 1) * next;
+        }
+      };
+      if constexpr (Around::pulls > 0) {
+        for (int k = 0; k < Around::pulls; ++k) {
+          // (Along two axes not the tide, but its root.)
+          set(along_[k], around.along(k, 0.0), changing.along(k, 0.0), Around::pulls == 2 ? 0.5 * by.tide : by.tide,
+              order);
+        }
+      }
+      if constexpr (Around::has_field) {
+        for (int k = 0; k < 3; ++k) {
+          set(field_[k], around.field(k, 0.0), changing.field(k, 0.0), by.field, order);
+          set(change_[k], around.change(k, 0.0), changing.change(k, 0.0), by.own_change, order - 1);
+        }
+      }
+    };
+    if constexpr (std::is_same_v<Around, AnySurroundings>) {
+      if (by.torques != nullptr) {
+        Equations others = equations;
+        others.torques = by.torques;
+        Around changing(others);
+        changing.begin(start, order, length);
+        fill(changing);
+        return;
+      }
+    }
+    fill(around);
+  }
+
+ private:
+  Varying along_[Around::pulls + 1][kMostOrder + 1];
+  Varying field_[3][Around::has_field ? kMostOrder + 1 : 1], change_[3][Around::has_field ? kMostOrder + 1 : 1];
+};
+
+template <class Coefficient>
+[[gnu::always_inline]] inline Vector sum_at(const Coefficient& coefficient, int order, double t) {
+  Vector sum = coefficient(order);
+  for (int n = order - 1; n >= 0; --n) sum = coefficient(n) + sum * all(t);
+  return sum;
+}
+
+/// Orders in which columns are summed: what they leave out of a step is about 1e-13 of them.
+inline constexpr int kColumnOrders = 22;
+
+/// Columns of the partial derivatives. Those by the state have the equations of Variation; those by a parameter are the
+/// motion's own, in values with their derivatives.
+template <class Around, template <class, int> class... Kinds>
+void vary_columns(const Equations& equations, const StepStart& start, double length,
+                  std::span<const ParameterChange> parameters, const StateChange* starts, std::span<const double> times,
+                  StateChange* out) {
+  using E = Engine<Around, Kinds...>;
+  const int order = start.order < kColumnOrders ? start.order : kColumnOrders;
+  const std::size_t columns = kStateColumns + parameters.size();
+  E engine(equations);
+  engine.around.begin(start, order, length);
+  for (int i = 0; i < E::vectors; ++i) {
+    engine.plain.state(i).set(0, Vector{start.state[i][0], start.state[i][1], start.state[i][2], 0.0});
+  }
+  engine.go_on(0, order);
+  const auto put = [&](std::size_t time, std::size_t column, const Vector& rate, const Vector& turn) {
+    StateChange& to = out[time * columns + column];
+    __builtin_memcpy(to.rate, &rate, sizeof rate);
+    __builtin_memcpy(to.turn_rad, &turn, sizeof turn);
+  };
+  const auto vector = [](const double(&from)[4]) { return Vector{from[0], from[1], from[2], 0.0}; };
+  const auto triple = [&](std::size_t first, double(StateChange::*of)[4]) {
+    return each_of([&](int k) {
+      const std::size_t c = first + static_cast<std::size_t>(k);
+      return c < columns ? vector(starts[c].*of) : Vector{};
+    });
+  };
+  Variation<kMostOrder, typename E::Plain, Triple> variation[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    variation[i].omega.set(0, triple(3 * i, &StateChange::rate));
+    variation[i].turn.set(0, triple(3 * i, &StateChange::turn_rad));
+  }
+  for (int n = 0; n < order; ++n) {
+    for (auto& one : variation) one.next(engine.plain, n);
+  }
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    for (std::size_t c = 0; c < kStateColumns; ++c) {
+      const auto sum = [&](const auto& of) {
+        return sum_at([&](int n) { return of.xyz[n].of[c % 3]; }, order, times[i]);
+      };
+      put(i, c, sum(variation[c / 3].omega), sum(variation[c / 3].turn));
+    }
+  }
+  if (parameters.empty()) return;
+  static const ParameterChange nothing;
+  VaryingAround<Around> around;
+  Series<VaryingVector, kMostOrder, Around::axes, Kinds...> series;
+  for (std::size_t first = 0; first < parameters.size(); first += 3) {
+    const std::size_t c = kStateColumns + first;
+    NumberChanges changes;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const ParameterChange& one = first + k < parameters.size() ? parameters[first + k] : nothing;
+      changes.by[k] = &one.numbers;
+      around.find(static_cast<int>(k), equations, engine.around, one, start, order, length);
+    }
+    E::set(series, equations, around, changes);
+    series.body.omega.set(0, {engine.plain.body.omega.xyz[0], triple(c, &StateChange::rate)});
+    const Triple turn0 = triple(c, &StateChange::turn_rad);
+    for (int k = 0; k < Around::axes; ++k) {
+      const Vector axis = engine.plain.body.axis[k].xyz[0];
+      series.body.axis[k].set(0, {axis, each_of([&](int i) { return cross(axis, turn0.of[i]); })});
+    }
+    for (int n = 0; n < order; ++n) series.next(n);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      Vector axis[3];
+      for (int k = 0; k < Around::axes; ++k) axis[k] = sum_of(engine.plain.body.axis[k].xyz, order, times[i]);
+      if constexpr (Around::axes == 2) axis[2] = cross(axis[0], axis[1]);
+      for (std::size_t k = 0; k < 3 && first + k < parameters.size(); ++k) {
+        const auto change = [&](const auto& of) {
+          return sum_at([&](int n) { return of.xyz[n].change.of[k]; }, order, times[i]);
+        };
+        Vector axis_change[3], turn = {};
+        for (int a = 0; a < Around::axes; ++a) axis_change[a] = change(series.body.axis[a]);
+        if constexpr (Around::axes == 2) {
+          axis_change[2] = cross(axis_change[0], axis[1]) + cross(axis[0], axis_change[1]);
+        }
+        for (int a = 0; a < 3; ++a) turn -= all(0.5) * cross(axis[a], axis_change[a]);
+        put(i, c + k, change(series.body.omega), turn);
+      }
+    }
+  }
+}
+
 /// The rate and two fixed axes at the time t of a step: Horner's rule for even and for odd powers, all side by side.
 inline void evaluate(const double (*coefficients)[kMostVectors][4], int order, double t, double (*state)[4]) {
   constexpr int kVectors = 3;
@@ -310,9 +478,12 @@ inline void evaluate(const double (*coefficients)[kMostVectors][4], int order, d
 struct Entry {
   int (*advance)(const Equations&, const Stepping&, int, Front&, StepStart*);
   void (*coefficients)(const Equations&, const StepStart&, int, double, double (*)[kMostVectors][4]);
+  void (*vary)(const Equations&, const StepStart&, double, std::span<const ParameterChange>, const StateChange*,
+               std::span<const double>, StateChange*);
 };
 template <class Around, template <class, int> class... Kinds>
-inline constexpr Entry kEntry = {advance<Around, Kinds...>, coefficients_of<Around, Kinds...>};
+inline constexpr Entry kEntry = {advance<Around, Kinds...>, coefficients_of<Around, Kinds...>,
+                                 vary_columns<Around, Kinds...>};
 inline constexpr Entry kEntries[] = {
     kEntry<NoSurroundings<2>>,                                    // a torque that keeps its components
     kEntry<NoSurroundings<2>, Damping>,                           //
@@ -331,6 +502,12 @@ inline int advance_entry(const Equations& equations, const Stepping& stepping, i
 inline void coefficients_entry(const Equations& equations, const StepStart& start, int order, double length,
                                double (*out)[kMostVectors][4]) {
   kEntries[equations.kinds].coefficients(equations, start, order, length, out);
+}
+
+inline void vary_entry(const Equations& equations, const StepStart& start, double length,
+                       std::span<const ParameterChange> parameters, const StateChange* starts,
+                       std::span<const double> times, StateChange* out) {
+  kEntries[equations.kinds].vary(equations, start, length, parameters, starts, times, out);
 }
 
 }  // namespace POLHODE_TARGET

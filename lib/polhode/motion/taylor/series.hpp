@@ -34,8 +34,8 @@ struct VectorSeries {
 template <class V>
 struct CrossProduct {
   V more = {}, less = {};  // in the order z, x, y; two sums are two chains of additions
-  template <int orders, int others>
-  [[gnu::always_inline]] void add(const VectorSeries<V, orders>& a, const VectorSeries<V, others>& b, int j, int n) {
+  template <class A, int orders, class B, int others>
+  [[gnu::always_inline]] void add(const VectorSeries<A, orders>& a, const VectorSeries<B, others>& b, int j, int n) {
     add_product(more, a.xyz[j], b.yzx[n - j]);
     add_product(less, a.yzx[j], b.xyz[n - j]);
   }
@@ -57,8 +57,8 @@ struct PairProducts {
 template <class V>
 struct PairChange {
   V sum = {}, other = {};
-  template <int orders, int others>
-  [[gnu::always_inline]] void add(const VectorSeries<V, orders>& a, const VectorSeries<V, others>& d, int j, int n) {
+  template <class A, int orders, int others>
+  [[gnu::always_inline]] void add(const VectorSeries<A, orders>& a, const VectorSeries<V, others>& d, int j, int n) {
     add_product(sum, a.xyz[j], d.yzx[n - j]);
     add_product(other, a.yzx[j], d.xyz[n - j]);
   }
@@ -85,8 +85,8 @@ struct Series {
   V constant = {};  ///< a torque that stays in body axes, over the moments
   BodySeries<V, orders, axes> body;
   std::tuple<Kinds<V, orders>...> torques;
-  template <int lower>
-  using Varied = std::tuple<typename Kinds<V, orders>::template Varied<lower>...>;
+  template <class W, int lower>
+  using Varied = std::tuple<typename Kinds<V, orders>::template Varied<W, lower>...>;
 
   /// Whether the last torque makes the axes slip in the body (Slip in kinds.hpp).
   static constexpr bool slips = [] {
@@ -142,37 +142,38 @@ struct Series {
   }
 };
 
-/// What a small change makes of a motion, to first order: of the rate, and a small turn of the body in its axes,
+/// What a small change, or several in W, makes of a motion, to first order: of the rate, and a small turn of the body
+/// in its axes,
 ///
 ///     turn' = turn x omega + change of omega,      change of a vector v that is fixed outside: v x turn
-template <int orders, class Series>
+template <int orders, class Series, class W = Vector>
 struct Variation {
-  VectorSeries<Vector, orders> omega, turn;
-  typename Series::template Varied<orders> varied;  ///< of each torque
+  VectorSeries<W, orders> omega, turn;
+  typename Series::template Varied<W, orders> varied;  ///< of each torque
 
   /// From the coefficients up to n, those with n + 1; `series` has them up to n.
   [[gnu::always_inline]] void next(const Series& series, int n) {
-    PairChange<Vector> products;
-    CrossProduct<Vector> turning;
+    PairChange<W> products;
+    CrossProduct<W> turning;
     for (int j = 0; j <= n; ++j) {
       products.add(series.body.omega, omega, j, n);
       turning.add(turn, series.turning_rate(), j, n);
     }
-    Vector turning_rate = omega.xyz[n];
+    W turning_rate = omega.xyz[n];
     if constexpr (Series::slips) {
       constexpr std::size_t last = std::tuple_size_v<decltype(varied)> - 1;
       std::get<last>(series.torques).slip_varied(*this, std::get<last>(varied), products.xyz(), n);
-      turning_rate += std::get<last>(varied).kl.xyz[n];
+      turning_rate = turning_rate + std::get<last>(varied).kl.xyz[n];
     }
-    Vector change = {};
+    W change = {};
     add_product(change, products.xyz(), series.euler_weights);
     [&]<std::size_t... i>(std::index_sequence<i...>) __attribute__((always_inline)) {
       (std::get<i>(series.torques).vary(series, *this, std::get<i>(varied), n, change), ...);
     }
     (std::make_index_sequence<std::tuple_size_v<decltype(varied)>>{});
-    const Vector share = all(1.0 / (n + 1));
-    turn.set(n + 1, (turning.xyz() + turning_rate) * share);
-    omega.set(n + 1, change * share);
+    const double share = 1.0 / (n + 1);
+    turn.set(n + 1, over(turning.xyz() + turning_rate, n + 1, share));
+    omega.set(n + 1, over(change, n + 1, share));
   }
 };
 

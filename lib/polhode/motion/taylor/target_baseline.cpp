@@ -3,5 +3,5 @@
 
 namespace polhode::taylor {
 extern const Kernel k_kernel_baseline;
-const Kernel k_kernel_baseline = {"baseline", advance_entry, coefficients_entry, evaluate};
+const Kernel k_kernel_baseline = {"baseline", advance_entry, coefficients_entry, vary_entry, evaluate};
 }  // namespace polhode::taylor

@@ -100,9 +100,67 @@ struct PreciseVector {
   return a * PreciseVector{all(share), all(missing)};
 }
 
+/// Three vectors side by side, so that their sums need not wait for each other.
+struct Triple {
+  Vector of[3] = {};
+};
+template <class Use>
+[[gnu::always_inline]] inline Triple each_of(const Use& use) {
+  return {{use(0), use(1), use(2)}};
+}
+[[gnu::always_inline]] inline Triple operator+(const Triple& a, const Triple& b) {
+  return each_of([&](int k) __attribute__((always_inline)) { return a.of[k] + b.of[k]; });
+}
+[[gnu::always_inline]] inline Triple operator-(const Triple& a, const Triple& b) {
+  return each_of([&](int k) __attribute__((always_inline)) { return a.of[k] - b.of[k]; });
+}
+[[gnu::always_inline]] inline void add_product(Triple& to, const Triple& a, const Vector& b) {
+  for (int k = 0; k < 3; ++k) add_product(to.of[k], a.of[k], b);
+}
+[[gnu::always_inline]] inline void add_product(Triple& to, const Vector& a, const Triple& b) { add_product(to, b, a); }
+[[gnu::always_inline]] inline Triple yzx(const Triple& a) {
+  return each_of([&](int k) __attribute__((always_inline)) { return yzx(a.of[k]); });
+}
+[[gnu::always_inline]] inline Triple all_x(const Triple& a) {
+  return each_of([&](int k) __attribute__((always_inline)) { return all_x(a.of[k]); });
+}
+[[gnu::always_inline]] inline Triple over(const Triple& a, int n, double share) {
+  return each_of([&](int k) __attribute__((always_inline)) { return over(a.of[k], n, share); });
+}
+
+/// A vector, or a number, and its derivatives by three parameters.
+struct VaryingVector {
+  Vector value = {};
+  Triple change;
+};
+struct Varying {
+  double value = 0.0, change[3] = {};
+};
+
+[[gnu::always_inline]] inline VaryingVector operator+(const VaryingVector& a, const VaryingVector& b) {
+  return {a.value + b.value, a.change + b.change};
+}
+[[gnu::always_inline]] inline VaryingVector operator-(const VaryingVector& a, const VaryingVector& b) {
+  return {a.value - b.value, a.change - b.change};
+}
+[[gnu::always_inline]] inline void add_product(VaryingVector& to, const VaryingVector& a, const VaryingVector& b) {
+  add_product(to.value, a.value, b.value);
+  add_product(to.change, a.change, b.value);
+  add_product(to.change, a.value, b.change);
+}
+[[gnu::always_inline]] inline void add_product(VaryingVector& to, const VaryingVector& a, const Varying& b) {
+  add_product(to, a, VaryingVector{all(b.value), {{all(b.change[0]), all(b.change[1]), all(b.change[2])}}});
+}
+[[gnu::always_inline]] inline VaryingVector yzx(const VaryingVector& a) { return {yzx(a.value), yzx(a.change)}; }
+[[gnu::always_inline]] inline VaryingVector all_x(const VaryingVector& a) { return {all_x(a.value), all_x(a.change)}; }
+[[gnu::always_inline]] inline VaryingVector over(const VaryingVector& a, int n, double share) {
+  return {over(a.value, n, share), over(a.change, n, share)};
+}
+
 /// The numbers beside vectors of a kind: coefficients of a function of time that is known.
 template <class V>
-using Number = std::conditional_t<std::is_same_v<V, Vector>, double, TwoParts>;
+using Number = std::conditional_t<std::is_same_v<V, Vector>, double,
+                                  std::conditional_t<std::is_same_v<V, VaryingVector>, Varying, TwoParts>>;
 
 }  // namespace POLHODE_TARGET
 }  // namespace polhode::taylor
