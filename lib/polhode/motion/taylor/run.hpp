@@ -368,9 +368,6 @@ template <class Coefficient>
   return sum;
 }
 
-/// Orders in which columns are summed: what they leave out of a step is about 1e-13 of them.
-inline constexpr int kColumnOrders = 22;
-
 /// Columns of the partial derivatives. Those by the state have the equations of Variation; those by a parameter are the
 /// motion's own, in values with their derivatives.
 template <class Around, template <class, int> class... Kinds>
@@ -378,7 +375,7 @@ void vary_columns(const Equations& equations, const StepStart& start, double len
                   std::span<const ParameterChange> parameters, const StateChange* starts, std::span<const double> times,
                   StateChange* out) {
   using E = Engine<Around, Kinds...>;
-  const int order = start.order < kColumnOrders ? start.order : kColumnOrders;
+  const int order = start.order;
   const std::size_t columns = kStateColumns + parameters.size();
   E engine(equations);
   engine.around.begin(start, order, length);
