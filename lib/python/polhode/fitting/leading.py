@@ -8,6 +8,7 @@ import numpy as np
 
 from .._errors import ComputationError, InputError
 from .motions import FreeMotions
+from .observations import WIDTH
 from .problem import solve
 
 CERTAIN_RAD = np.radians(25)  # an attitude that is known beforehand to this sigma is met by the turn that is meant
@@ -156,8 +157,7 @@ def without_outliers(problem, values, most=12):
         left = []
         for k, (squared, limit) in enumerate(found):
             if problem.estimated[k]:
-                width = 1 if problem.rows[k].kind == "magnitude" else 2 if problem.rows[k].kind == "axis" else 3
-                factor = np.sqrt(np.median(squared) / chi2.ppf(0.5, width))
+                factor = np.sqrt(np.median(squared) / chi2.ppf(0.5, WIDTH[problem.rows[k].kind]))
                 problem.sigma[k] = problem.sigma[k] * factor
                 squared = squared / factor**2
             left.append(squared <= limit)
@@ -172,7 +172,7 @@ def with_estimated_sigmas(problem, values, active):
     """Where sigmas are not stated: the rows' own scatter, and the fit with it."""
     for _ in range(3):
         free = int(problem.free.sum())
-        count = sum(int(mask.sum()) * residual_width(r) for r, mask in zip(problem.rows, active))
+        count = sum(int(mask.sum()) * WIDTH[r.kind] for r, mask in zip(problem.rows, active))
         share = max(1 - free / max(count, 1), 1 / max(count, 1))
         changed = False
         for k, r in enumerate(problem.rows):
@@ -188,8 +188,3 @@ def with_estimated_sigmas(problem, values, active):
             break
         values = solve(problem, values, active)
     return values
-
-
-def residual_width(rows):
-    return {"attitude": 3, "rate": 3, "axis": 2, "magnitude": 1}[rows.kind]
-
