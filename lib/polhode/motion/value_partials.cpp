@@ -46,7 +46,7 @@ class ValueMotion::ValuePartials final : public Partials {
               stretches(with_parameter(torques, parameter, value).in_principal_axes(body.named_from_principal),
                         forward ? motion.last_s() : motion.first_s());
           for (std::size_t l = 0; l < path.size(); ++l) {
-            Leg leg{all[l].torques, {}, {}};
+            Leg leg{all[l].torques, {}, {}, {}};
             for (const Trajectory& trajectory : leg.torques.trajectories()) {
               leg.ways.emplace_back(trajectory, std::min(all[l].from_s, all[l].to_s),
                                     std::max(all[l].from_s, all[l].to_s), 0);
