@@ -1,4 +1,4 @@
-"""Objects of the package: pickles and copies, and with them processes; what is said of wrong arguments."""
+"""Objects of the package: pickles and copies, and with them processes."""
 
 import copy
 import multiprocessing
@@ -141,28 +141,6 @@ def test_errors_are_pickled_whole(tmp_path):
 
 
 # --- Arguments ------------------------------------------------------------------------------------------------------
-
-
-def test_wrong_arguments_are_told_in_words():
-    body = polhode.read(TOUTATIS)
-    motion = body.motion()
-    for call, said in [
-        (lambda: body.motion(fram="ICRF"), "motion(): there is no argument 'fram', but 'frame'"),
-        (lambda: body.motion("ICRF", "theta", 3), "3 arguments are given by place, 2 may be"),
-        (lambda: body.motion("ICRF", frame="ICRF"), "'frame' is given twice"),
-        (lambda: polhode.Body(), "Body(): missing: name; the arguments are (name: str, *, inertia: Inertia | None = None"),
-        (lambda: polhode.Body("a", inertia=3), "'inertia' is of type int"),
-        (lambda: polhode.FreeMotion([1, 2, 3], [1, 0, 0, 0]), "missing: momentum"),
-        (lambda: polhode.Orbit.kepler("a", 1, 1, 1, [1, 0, 0], [0, 1, 0]), "'mu' is of type str"),
-        (lambda: motion(1.0, thread=2), "there is no argument 'thread', but 'threads'"),
-        (lambda: polhode.read(), "read(): missing: path"),
-    ]:
-        with pytest.raises(TypeError) as caught:
-            call()
-        assert said in str(caught.value), str(caught.value)
-        assert "_core" not in str(caught.value) and "\n" not in str(caught.value)
-    with pytest.raises(TypeError):
-        polhode.Instant("2000-01-01 TT") + "a"
 
 
 def test_arrays_to_write_to_must_not_overlap():

@@ -37,5 +37,4 @@ NB_MODULE(_core, m) {
   bind_ephemeris(m);
   bind_uncertainty(m);
   bind_pickling(m);
-  tell_wrong_arguments(m);
 }

@@ -136,9 +136,6 @@ void bind_ephemeris(nb::module_& m);
 void bind_uncertainty(nb::module_& m);
 void bind_pickling(nb::module_& m);
 
-/// Wrong arguments of every function and class of the module are told in words.
-void tell_wrong_arguments(nb::module_& m);
-
 }  // namespace polhode::python
 
 namespace nanobind::detail {
