@@ -18,8 +18,8 @@
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/base/units.hpp"
-#include "polhode/body/phase.hpp"
 #include "polhode/ephemeris/time_grid.hpp"
+#include "polhode/motion/known_until.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -265,7 +265,7 @@ void observe_body(const ObserveOptions& options) {
   if (wanted.photometry) say("brightness of " + wanted.photometry->shape->description() + ", law " + options.law);
   const auto [first, last] = std::minmax_element(rows.instants.begin(), rows.instants.end());
   const double farthest_s = std::max(std::abs((*first - epoch).high), std::abs((*last - epoch).high));
-  if (const auto caution = phase_warning(body, farthest_s)) say("caution: " + *caution);
+  if (const auto caution = worth_text(body, farthest_s)) say("caution: " + *caution);
 }
 
 void add_brightness_options(CLI::App& command, ObserveOptions& options) {

@@ -27,8 +27,6 @@ std::shared_ptr<MotionObject> free_motions(const Given<Numbers>& moments, const 
   self->shape = broadcast(broadcast(of_moments, of_q, "moments and q"), of_momentum, "bodies and momenta");
   const std::size_t count = count_of(self->shape), axes = self->shape.size();
   self->bodies.resize(count);
-  const bool side_by_side = axes != 0 && self->method == &method("auto");
-  if (!side_by_side) self->motions.resize(count);
   const auto moments_stride = strides_in(self->shape, of_moments), q_stride = strides_in(self->shape, of_q),
              m_stride = strides_in(self->shape, of_momentum);
   const nb::gil_scoped_release others_go_on;
@@ -47,11 +45,9 @@ std::shared_ptr<MotionObject> free_motions(const Given<Numbers>& moments, const 
       one.principal_moments = Vector3(moments->data + 3 * i);
       one.q_inertial_from_body = from_scalar_first(Eigen::Map<const Eigen::Vector4d>(q->data + 4 * j));
       one.momentum_body = Vector3(momentum->data + 3 * k);
-      if (!side_by_side) self->motions[body] = self->method->make(one);
     }
   });
-  if (side_by_side)
-    self->side_by_side.emplace(BodyArrays::of_bodies(self->bodies), BodiesOptions{.thread_count = threads});
+  make_free_motions(*self, threads);
   return self;
 }
 
@@ -113,6 +109,17 @@ std::optional<std::pair<double, double>> pass_of(const MotionObject& self, const
 }
 
 }  // namespace
+
+void make_free_motions(MotionObject& self, unsigned threads) {
+  if (!self.shape.empty() && self.method == &method("auto")) {
+    self.side_by_side.emplace(BodyArrays::of_bodies(self.bodies), BodiesOptions{.thread_count = threads});
+    return;
+  }
+  self.motions.resize(self.bodies.size());
+  parallel_chunks(self.bodies.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t body = begin; body < end; ++body) self.motions[body] = self.method->make(self.bodies[body]);
+  });
+}
 
 std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const BodyInMotion> moving, const Method* method) {
   auto self = std::make_shared<MotionObject>();

@@ -56,11 +56,17 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
   };
   std::optional<NamedAxes> named;
 
-  mutable std::once_flag torqued_partials_made;
-  mutable std::shared_ptr<const TorquedPartials> torqued_partials;
+  struct TorquedPartialsOnce {
+    std::once_flag made;
+    std::shared_ptr<const TorquedPartials> partials;
+  };
+  std::shared_ptr<TorquedPartialsOnce> torqued_partials = std::make_shared<TorquedPartialsOnce>();
 
   std::optional<Instant> epoch() const { return moving ? std::optional(moving->body.state->epoch) : std::nullopt; }
 };
+
+/// Makes the motions of `bodies`, which are free, by `method`.
+void make_free_motions(MotionObject& self, unsigned threads);
 
 /// The motion of a body that is known with its epoch and frame.
 std::shared_ptr<MotionObject> motion_object(std::shared_ptr<const BodyInMotion> moving, const Method* method);

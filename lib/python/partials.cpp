@@ -23,9 +23,9 @@ const TorquedMotion& torqued_motion_in(const MotionObject& self) {
 /// Made when it is first asked for.
 const TorquedPartials& torqued_partials_of(const MotionObject& self) {
   const TorquedMotion& motion = torqued_motion_in(self);
-  std::call_once(self.torqued_partials_made,
-                 [&] { self.torqued_partials = std::make_shared<const TorquedPartials>(motion); });
-  return *self.torqued_partials;
+  MotionObject::TorquedPartialsOnce& once = *self.torqued_partials;
+  std::call_once(once.made, [&] { once.partials = std::make_shared<const TorquedPartials>(motion); });
+  return *once.partials;
 }
 
 }  // namespace

@@ -390,9 +390,7 @@ std::shared_ptr<MotionObject> load_motion(Loader& from, bool to_be_asked) {
     }
     motion->moving = std::move(known);
   }
-  for (const FreeBody& body : motion->bodies) {
-    if (to_be_asked) motion->motions.push_back(motion->method->make(body));
-  }
+  if (to_be_asked) make_free_motions(*motion, 1);
   return motion;
 }
 
@@ -516,7 +514,7 @@ void bind_pickling(nb::module_& m) {
         }
         save(to, self);
       },
-      [](Loader& from) { return *load_motion(from, true); });
+      [](Loader& from) { return MotionObject(*load_motion(from, true)); });
   give_states_pickles(m);
 }
 

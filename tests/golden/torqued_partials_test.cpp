@@ -111,7 +111,7 @@ TEST(TorquedPartials, AreDifferencesOfMotions) {
         const double scale = c < 9 ? body.principal_moments[static_cast<Eigen::Index>(c) - 6] : parameters[c - 9].scale;
         const double step = 1e-3 * scale;
         Eigen::Matrix<double, 6, 1> sum = sum.Zero();
-        for (const auto [k, weight] : {std::pair(-2, 1.0), {-1, -8.0}, {1, 8.0}, {2, -1.0}}) {
+        for (const auto& [k, weight] : {std::pair(-2, 1.0), {-1, -8.0}, {1, 8.0}, {2, -1.0}}) {
           FreeBody other = body;
           Torques under = torques;
           if (c < 9) {
