@@ -7,10 +7,10 @@
 
 #include "in_file.hpp"
 #include "output.hpp"
-#include "polhode/motion/free_body.hpp"
 #include "polhode/motion/known_until.hpp"
 #include "polhode/motion/planner.hpp"
 #include "polhode/read/scene_file.hpp"
+#include "polhode/session/body_in_motion.hpp"
 #include "polhode/time/duration_text.hpp"
 #include "subcommands.hpp"
 
@@ -30,8 +30,7 @@ std::string angle_text(double rad) {
 
 void print_plan(const PlanOptions& options) {
   const Scene scene = read_scene(options.scene_file);
-  const FreeBody body = free_body(scene.body, scene.frame);
-  const Plan plan = plan_motion(body, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, options.full);
+  const Plan plan = plan_of(scene, options.full);
   fmt::memory_buffer text;
   const auto out = std::back_inserter(text);
   fmt::format_to(

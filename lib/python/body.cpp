@@ -6,7 +6,6 @@
 #include "polhode/body/euler.hpp"
 #include "polhode/body/invariants.hpp"
 #include "polhode/body/mesh_inertia.hpp"
-#include "polhode/body/phase.hpp"
 #include "polhode/body/spin_solution.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/read/body.hpp"
@@ -353,15 +352,6 @@ void bind_body(nb::module_& m) {
           },
           "frame"_a = "ICRF", "method"_a = "auto",
           "The free motion in an inertial frame. Raises InputError naming what the body lacks.")
-      .def(
-          "phase_horizon",
-          [](const BodyObject& self, const Given<PlaneAngle>& angle) -> std::optional<double> {
-            const Body& body = self.body();
-            const std::optional<double> part = period_uncertainty(body);
-            if (!part || !body.state || !body.state->omega_named_rad_s) return std::nullopt;
-            return phase_horizon_s(*body.state->omega_named_rad_s, *part, angle->rad);
-          },
-          "angle"_a, "Seconds from the epoch in which the phase comes to be off by the angle, or None.")
       .def("__repr__", [](const BodyObject& self) { return fmt::format("<Body {}>", self.body().name); });
 
   m.def(

@@ -67,7 +67,7 @@ struct Spacing {
 EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object& start, const nb::object& stop,
                                     const std::optional<Given<Duration>>& step, std::optional<std::size_t> count,
                                     const std::optional<Given<PlaneAngle>>& tolerance, const nb::object& times,
-                                    const std::string& scale_name) {
+                                    const std::string& scale_name, bool covariance) {
   if (!motion.moving) throw InputError("a motion without epoch and frame has no ephemeris; Body.motion gives one");
   const std::shared_ptr<const BodyInMotion> moving = motion.moving;
   const Instant epoch = moving->body.state->epoch;
@@ -77,8 +77,8 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
   if (!times.is_none()) {
     if (!start.is_none() || !stop.is_none()) throw InputError("times stand alone, without start and stop");
     const std::vector<Instant> instants = wanted_list(times, epoch);
-    return {[moving, grid = TimeGrid::of_list(instants, scale)](const EphemerisFormat* format) {
-      return std::vector{rows_of(*moving, grid, std::nullopt, format)};
+    return {[moving, covariance, grid = TimeGrid::of_list(instants, scale)](const EphemerisFormat* format) {
+      return std::vector{rows_of(*moving, grid, std::nullopt, format, covariance)};
     }};
   }
   if (!step && !count && !tolerance) throw InputError("one of step, count, tolerance and times is wanted");
@@ -94,21 +94,22 @@ EphemerisObject ephemeris_of_motion(const MotionObject& motion, const nb::object
   if (!tolerance) {
     const TimeGrid grid = step ? TimeGrid::with_step(first, last, (*step)->seconds, scale)
                                : TimeGrid::with_count(first, last, *count, scale);
-    return {[moving, grid](const EphemerisFormat* format) {
-      return std::vector{rows_of(*moving, grid, std::nullopt, format)};
+    return {[moving, grid, covariance](const EphemerisFormat* format) {
+      return std::vector{rows_of(*moving, grid, std::nullopt, format, covariance)};
     }};
   }
   if (!((*tolerance)->rad >= smallest_tolerance_rad)) {
     throw InputError(
         fmt::format("the tolerance is {} rad, {} rad or more is wanted", (*tolerance)->rad, smallest_tolerance_rad));
   }
-  return {[moving, first, last, scale, rad = (*tolerance)->rad](const EphemerisFormat* format) {
-            const std::size_t rows =
-                rows_for_tolerance(*moving, first, last, scale, rad,
-                                   format != nullptr ? format->interpolation : RowInterpolation::great_circle);
-            return std::vector{rows_of(*moving, TimeGrid::with_count(first, last, rows, scale), rad, format)};
-          },
-          true};
+  return {
+      [moving, first, last, scale, covariance, rad = (*tolerance)->rad](const EphemerisFormat* format) {
+        const std::size_t rows =
+            rows_for_tolerance(*moving, first, last, scale, rad,
+                               format != nullptr ? format->interpolation : RowInterpolation::great_circle);
+        return std::vector{rows_of(*moving, TimeGrid::with_count(first, last, rows, scale), rad, format, covariance)};
+      },
+      true};
 }
 
 EphemerisObject ephemeris_of_history(const HistoryObject& self, const nb::object& start, const nb::object& stop,
@@ -170,6 +171,9 @@ nb::dict arrays_of(const EphemerisObject& self) {
   auto [q, q_data] = new_array(Shape{count, 4});
   auto [omega, omega_data] = new_array(Shape{count, 3});
   auto [momentum, momentum_data] = new_array(Shape{count, 3});
+  const bool covariance = all.front().has_covariance();
+  auto [sigma, sigma_data] = new_array(Shape{covariance ? count : 0});
+  auto [six, six_data] = new_array(Shape{covariance ? count : 0, 6});
   {
     const nb::gil_scoped_release others_go_on;
     AttitudeBlock block;
@@ -181,10 +185,18 @@ nb::dict arrays_of(const EphemerisObject& self) {
       std::copy_n(block.q_frame_from_named.data(), 4 * block.rows, q_data + 4 * row);
       std::copy_n(block.omega_named_rad_s.data(), 3 * block.rows, omega_data + 3 * row);
       std::copy_n(block.momentum_named.data(), 3 * block.rows, momentum_data + 3 * row);
+      if (covariance) {
+        std::copy_n(block.sigma_rad.data(), block.rows, sigma_data + row);
+        std::copy_n(block.covariance_rad2.data(), 6 * block.rows, six_data + 6 * row);
+      }
       row += block.rows;
     }
   }
   nb::dict out;
+  if (covariance) {
+    out["sigma"] = sigma;
+    out["covariance"] = six;
+  }
   out["time_s"] = time;
   out["q"] = q;
   out["omega"] = omega;
@@ -440,15 +452,15 @@ void bind_ephemeris(nb::module_& m) {
           },
           "path"_a, nb::kw_only(), "format"_a = nb::none(), "momentum"_a = false, "adm"_a = "", "attitude_type"_a = "",
           "euler_sequence"_a = "",
-          "Writes a file, whose ending says the format (.fits, .fits.gz, .aem, .xml, .csv, .ecsv, .jsonl) unless "
+          "Writes a file, whose ending says the format (.fits, .fits.gz, .aem, .xml, .acm, .csv, .ecsv, .jsonl) unless "
           "`format` "
           "does; returns the number of rows. momentum: that too, in tables. adm, attitude_type, euler_sequence: of "
           "CCSDS "
           "messages. The file appears whole or not at all. Raises InputError, FileError, ComputationError.")
       .def("arrays", &arrays_of, nb::sig("def arrays(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]"),
            "The rows as arrays: time_s, seconds of the scale from `reference`; q, scalar first; omega; momentum; in "
-           "named "
-           "axes. Rows of a tolerance are spaced for great circles.")
+           "named axes; if asked for, sigma (rad) and covariance (n, 6; xx, xy, xz, yy, yz, zz). Rows of a tolerance "
+           "are spaced for great circles.")
       .def_prop_ro(
           "reference", [](const EphemerisObject& self) { return self.make(nullptr).front().times().reference(); },
           "The instant from which `arrays` counts time_s.")
@@ -480,15 +492,16 @@ void bind_ephemeris(nb::module_& m) {
   motion.def(
       "ephemeris", &ephemeris_of_motion, "start"_a = nb::none(), "stop"_a = nb::none(), nb::kw_only(),
       "step"_a = nb::none(), "count"_a = nb::none(), "tolerance"_a = nb::none(), "times"_a = nb::none(),
-      "scale"_a = "TDB",
+      "scale"_a = "TDB", "covariance"_a = false,
       nb::sig("def ephemeris(self, start: typing.Any = None, stop: typing.Any = None, *, step: float | str | "
               "astropy.units.Quantity | None = None, count: int | None = None, tolerance: float | str | "
-              "astropy.units.Quantity | None = None, times: typing.Any = None, scale: str = 'TDB') -> Ephemeris"),
+              "astropy.units.Quantity | None = None, times: typing.Any = None, scale: str = 'TDB', covariance: bool = "
+              "False) -> Ephemeris"),
       "Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): "
       "a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate "
       "within a tolerance (rad, or '1 arcsec'); or at `times`. A time is seconds from the epoch (TT), a date, an "
       "Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. "
-      "Raises InputError.");
+      "covariance: that of the attitude too, of a body with uncertainties. Raises InputError.");
   bind_history(m);
 }
 

@@ -35,4 +35,5 @@ NB_MODULE(_core, m) {
   bind_torque(m);
   bind_motion(m);
   bind_ephemeris(m);
+  bind_uncertainty(m);
 }

@@ -233,7 +233,7 @@ void bind_motion(nb::module_& m) {
           [](const MotionObject& self, const nb::object& t) {
             if (self.method == nullptr || !self.shape.empty())
               throw InputError("the free motion of one body is wanted");
-            return condition_number(self.method->make, self.bodies.front(), seconds_in(self, t));
+            return condition_number(self.bodies.front(), seconds_in(self, t));
           },
           "t"_a, nb::sig("def condition_number(self, t: typing.Any) -> float"),
           "How far the attitude moves, in rad, per relative change of a moment or of the momentum, at t.")

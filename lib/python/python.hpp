@@ -130,6 +130,7 @@ void bind_body(nb::module_& m);
 void bind_torque(nb::module_& m);
 void bind_motion(nb::module_& m);
 void bind_ephemeris(nb::module_& m);
+void bind_uncertainty(nb::module_& m);
 
 }  // namespace polhode::python
 

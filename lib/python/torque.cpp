@@ -53,11 +53,9 @@ Scene make_scene(const std::string& name, const BodyObject& body, const std::vec
   return scene;
 }
 
-Plan plan_of(const SceneObject& self, bool full) {
-  const Scene& scene = self.scene;
+Plan plan_of_scene(const SceneObject& self, bool full) {
   const nb::gil_scoped_release others_go_on;
-  return plan_motion(free_body(scene.body, scene.frame), scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad,
-                     full);
+  return plan_of(self.scene, full);
 }
 
 std::shared_ptr<MotionObject> motion_of(const SceneObject& self, bool full,
@@ -240,7 +238,7 @@ void bind_torque(nb::module_& m) {
           "First and last second, from the epoch.")
       .def_prop_ro("accuracy_rad", [](const SceneObject& self) { return self.scene.accuracy_rad; })
       .def_prop_ro("path", [](const SceneObject& self) { return self.path; })
-      .def("plan", &plan_of, "full"_a = false,
+      .def("plan", &plan_of_scene, "full"_a = false,
            "Which effects matter, by bounds, and which model; `full` keeps every effect, at 1e-9 rad. Raises "
            "InputError.")
       .def("motion", &motion_of, "full"_a = false, "max_evaluations"_a = nb::none(),

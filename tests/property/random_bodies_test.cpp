@@ -39,7 +39,7 @@ TEST(RandomBodies, ThetaAndLegendreAgree) {
     const State one = ThetaMotion(body).at(t), other = make_legendre(body)->at(t);
     const double error = std::max(rotation_angle_rad(one.q_inertial_from_body, other.q_inertial_from_body),
                                   (one.momentum_body - other.momentum_body).norm() / body.momentum_body.norm()) /
-                         (std::numeric_limits<double>::epsilon() * condition_number(method("theta").make, body, t));
+                         (std::numeric_limits<double>::epsilon() * condition_number(body, t));
     if (!(error <= worst)) worst = error, worst_body = body, worst_t = t;
   }
   std::printf("%ld bodies, seed %llu: worst %.2f eps kappa, I = %a %a %a, m = %a %a %a, t = %a\n", count,

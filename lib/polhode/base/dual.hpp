@@ -6,6 +6,7 @@
 #include "polhode/base/double_double.hpp"
 
 namespace polhode {
+inline namespace POLHODE_TARGET {
 
 /// A number with its partial derivatives by N others: what is computed with it is differentiated exactly.
 template <int N>
@@ -67,7 +68,6 @@ Dual<N> pow(const Dual<N>& a, int exponent) {
   return {below * a.value, exponent * below * a.partials};
 }
 
-inline namespace POLHODE_TARGET {
 template <int N>
 struct RealTraits<Dual<N>> {
   /// Of the derivatives, which converge behind the value: one more step.

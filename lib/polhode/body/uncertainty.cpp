@@ -64,7 +64,7 @@ void Uncertainty::check() const {
                                      covariance(k, i), covariance(i, k)));
       }
       if (!(std::abs(covariance(i, k)) <= (1.0 + 1e-9) * size)) {
-        throw InputError(fmt::format("the covariance of {} is {}, more than their sigmas allow: {}", between(),
+        throw InputError(fmt::format("the covariance of {} is {:.6g}, more than their sigmas allow: {:.6g}", between(),
                                      covariance(i, k), size));
       }
     }

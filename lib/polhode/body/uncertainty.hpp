@@ -73,7 +73,7 @@ struct PrincipalChange {
 
 /// Moments that are nearer each other than this part of the largest have no axes of their own that a product of inertia
 /// could turn a little: separate_moments() takes them apart by it.
-inline constexpr double kLeastSeparation = 1e-6;
+inline constexpr double kLeastSeparation = 1e-8;
 
 /// The inertia, with moments that are that near each other taken apart.
 Inertia separate_moments(const Inertia& inertia);

@@ -43,6 +43,8 @@ Body differentiated(const Body& body) {
   return out;
 }
 
+constexpr double kRounding_rad = 1e-12;  // displaced by less, motions show their rounding
+
 /// The body's motion, and those that are displaced by a sigma of each part of the uncertainty.
 class DisplacedMotions {
  public:
@@ -69,7 +71,7 @@ class DisplacedMotions {
   double change_of_sigma(const AttitudeCovariance& covariance, double t_s) const {
     if (impossible_) return 1.0;
     const double sigma_rad = covariance.sigma_rad(t_s);
-    if (sigma_rad == 0.0) return 0.0;
+    if (sigma_rad < kRounding_rad) return 0.0;
     const Eigen::Matrix3Xd turns = covariance.turns_at(t_s);
     const Quaternion centre = centre_.attitude(t_s).conjugate();
     double more = 0.0;
@@ -96,6 +98,25 @@ class DisplacedMotions {
 };
 
 }  // namespace
+
+double largest_variance(const Matrix3& covariance) {
+  Eigen::SelfAdjointEigenSolver<Matrix3> solver;
+  solver.computeDirect(covariance, Eigen::EigenvaluesOnly);
+  return std::max(solver.eigenvalues()[2], 0.0);
+}
+
+void put_covariance(const Matrix3& covariance, double& sigma_rad, double* covariance_rad2) {
+  sigma_rad = std::sqrt(largest_variance(covariance));
+  for (int i = 0; i < 3; ++i) {
+    for (int k = i; k < 3; ++k) *covariance_rad2++ = covariance(i, k);
+  }
+}
+
+Vector3 rotation_vector(const Quaternion& q) {
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0, length = q.vec().norm();
+  if (length == 0.0) return Vector3::Zero();
+  return sign * 2.0 * std::atan2(length, sign * q.w()) / length * q.vec();
+}
 
 AttitudeCovariance::AttitudeCovariance(const Body& body) : AttitudeCovariance(body, uncertainty_of(body).covariance) {}
 

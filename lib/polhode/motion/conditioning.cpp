@@ -6,9 +6,11 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/error_budget.hpp"
+#include "polhode/motion/partials.hpp"
 
 namespace polhode {
 
@@ -18,52 +20,36 @@ void check_time(double t_s) {
   if (!std::isfinite(t_s)) throw InputError(fmt::format("the time is {} s, a finite one is wanted", t_s));
 }
 
-/// The largest response at any of the times, in radians; NaN if one is.
-double largest_response_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), const FreeBody& body,
-                            std::span<const double> times_s, double change) {
-  const auto motion = make(body);
+/// The largest turn per relative change of one input, at any of the times; NaN if one is.
+double largest_response_rad(const FreeBody& body, std::span<const double> times_s) {
+  const FreePartials motion(body);
   double worst = 0.0;
-  const auto compare = [&](const FreeBody& changed) {
-    const auto other = make(changed);
-    for (const double t_s : times_s) {
-      const double moved =
-          rotation_angle_rad(other->at(t_s).q_inertial_from_body, motion->at(t_s).q_inertial_from_body);
-      if (!(moved <= worst)) worst = moved;  // keeps a NaN
+  for (const double t_s : times_s) {
+    const PartialsMatrix partials = motion.at(t_s).partials;
+    for (int k = 0; k < 3; ++k) {
+      const double of_momentum = std::abs(body.momentum_body[k]) * partials.block<3, 1>(0, 3 + k).norm();
+      const double of_moment = body.principal_moments[k] * partials.block<3, 1>(0, 6 + k).norm();
+      for (const double response : {of_momentum, of_moment}) {
+        if (!(response <= worst)) worst = response;  // keeps a NaN
+      }
     }
-  };
-  for (int k = 0; k < 3; ++k) {
-    FreeBody changed = body;
-    // Away from the neighbours, so that the moments keep their order; the middle one has one side free unless all
-    // three are equal.
-    Vector3& moments = changed.principal_moments;
-    const double sign = k == 0 || (k == 1 && moments[1] > moments[0]) ? -1.0 : 1.0;
-    moments[k] *= 1.0 + sign * change;
-    std::sort(moments.begin(), moments.end());
-    compare(changed);
-  }
-  for (int k = 0; k < 3; ++k) {
-    FreeBody changed = body;
-    changed.momentum_body[k] *= 1.0 + change;
-    compare(changed);
   }
   return worst;
 }
 
-constexpr double kChange = 1e-12;  // far above rounding, far below what bends the answer
-
 }  // namespace
 
-double condition_number(std::unique_ptr<Motion> (*make)(const FreeBody&), const FreeBody& body, double t_s) {
+double condition_number(const FreeBody& body, double t_s) {
   check_time(t_s);
-  const double response_rad = largest_response_rad(make, body, {&t_s, 1}, kChange);
-  return response_rad <= kChange ? 1.0 : response_rad / kChange;
+  const double response_rad = largest_response_rad(body, {&t_s, 1});
+  return response_rad <= 1.0 ? 1.0 : response_rad;
 }
 
-double free_motion_error_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), const FreeBody& body, double first_s,
-                             double last_s) {
+double free_motion_error_rad(const FreeBody& body, double first_s, double last_s) {
   check_time(first_s);
   check_time(last_s);
   constexpr double straight_rad = 0.3;  // beyond, the response is not in proportion to the change
+  constexpr double change = 1e-12;      // far above rounding
   std::array<double, 33> times_s{};
   for (std::size_t i = 0; i < times_s.size(); ++i) {
     times_s[i] = std::lerp(first_s, last_s, static_cast<double>(i) / static_cast<double>(times_s.size() - 1));
@@ -71,10 +57,10 @@ double free_motion_error_rad(std::unique_ptr<Motion> (*make)(const FreeBody&), c
   // The phase alone grows by that, also where it is beyond any arithmetic.
   const double turned_rad =
       body.momentum_body.cwiseQuotient(body.principal_moments).norm() * std::max(std::abs(first_s), std::abs(last_s));
-  if (!(kChange * turned_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
-  const double response_rad = largest_response_rad(make, body, times_s, kChange);
-  if (!(response_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
-  return ErrorBudget::rounding_rad * std::max(1.0, response_rad / kChange);
+  if (!(change * turned_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
+  const double response_rad = largest_response_rad(body, times_s);
+  if (!(change * response_rad <= straight_rad)) return std::numeric_limits<double>::quiet_NaN();
+  return ErrorBudget::rounding_rad * std::max(1.0, response_rad);
 }
 
 MotionAccount free_motion_account(const Method& method, const FreeBody& body, double first_s, double last_s) {
@@ -84,7 +70,7 @@ MotionAccount free_motion_account(const Method& method, const FreeBody& body, do
     account.error_meaning = "nothing is promised";
     return account;
   }
-  const double error_rad = free_motion_error_rad(method.make, body, first_s, last_s);
+  const double error_rad = free_motion_error_rad(body, first_s, last_s);
   if (std::isfinite(error_rad)) {
     account.max_error_rad = error_rad;
     account.error_meaning = "rounding only: the numbers of the body are taken as exact, and no torque acts";

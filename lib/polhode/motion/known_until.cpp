@@ -14,7 +14,7 @@
 namespace polhode {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kForEver_s = std::numeric_limits<double>::infinity();
 constexpr int kLooks = 64;  // within the longest period
 
 /// The longest of the motion's periods: in it SIGMA swings, and from one to the next it grows.
@@ -50,7 +50,7 @@ std::pair<std::size_t, double> largest_term(const Body& body, const AttitudeCova
 double known_until_s(const Body& body, const AttitudeCovariance& covariance, double angle_rad) {
   if (covariance.sigma_rad(0.0) >= angle_rad) return 0.0;
   const double period_s = longest_period_s(body);
-  if (period_s == 0.0) return kInfinity;  // at rest
+  if (period_s == 0.0) return kForEver_s;  // at rest
   const auto reaches = [&](double from_s) {
     for (int i = 0; i <= kLooks; ++i) {
       if (covariance.sigma_rad(from_s + period_s * i / kLooks) >= angle_rad) return true;
@@ -63,7 +63,7 @@ double known_until_s(const Body& body, const AttitudeCovariance& covariance, dou
   while (!reaches(from_s)) {
     below_s = from_s;
     from_s = std::max(from_s + period_s, 1.25 * from_s);
-    if (!(from_s < farthest_s)) return kInfinity;
+    if (!(from_s < farthest_s)) return kForEver_s;
   }
   while (from_s - below_s > period_s) {
     const double middle_s = 0.5 * (below_s + from_s);
@@ -91,7 +91,9 @@ StateWorth state_worth(const Body& body) {
     return KnownUntil{angle_rad, known_until_s(body, covariance, angle_rad)};
   };
   StateWorth worth;
-  worth.sigma_at_epoch_rad = covariance.sigma_rad(0.0);
+  constexpr double rounding_rad = 1e-15;
+  const double at_epoch_rad = covariance.sigma_rad(0.0);
+  worth.sigma_at_epoch_rad = at_epoch_rad < rounding_rad ? 0.0 : at_epoch_rad;
   worth.degree = known(degree);
   worth.ten_degrees = known(10.0 * degree);
   worth.at_all = known(std::numbers::pi);

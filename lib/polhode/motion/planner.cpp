@@ -11,9 +11,11 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/error_budget.hpp"
+#include "polhode/motion/attitude_covariance.hpp"
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/kicked_motion.hpp"
 #include "polhode/motion/methods.hpp"
+#include "polhode/motion/partials.hpp"
 #include "polhode/motion/theta.hpp"
 #include "polhode/motion/torqued_motion.hpp"
 
@@ -36,6 +38,7 @@ struct TrialTuning {
 
 constexpr double kMostPushes = 2e6;          // steps in which the bound of a torque is summed: a second or two
 constexpr double kFullTolerance_rad = 1e-9;  // with everything kept
+constexpr double kDroppedOfUncertainty = 0.1;
 
 /// No attitude and no momentum of this length feels a larger torque at time t.
 double largest_torque(const Torque& torque, double t_s, const FreeBody& body) {
@@ -44,36 +47,26 @@ double largest_torque(const Torque& torque, double t_s, const FreeBody& body) {
 }
 
 /// rad of attitude per relative change of the momentum, by the time since the change: worst of all directions, of
-/// several places on the free motion, of both directions of time. Measured, then doubled; grows with time.
+/// several places on the free motion, of both directions of time. By its exact partial derivatives, then doubled; grows
+/// with time.
 class Sensitivity {
  public:
   Sensitivity(const FreeBody& body, double longest_s) : longest_s_(longest_s) {
     const ThetaMotion whole(body);
     for (const double place : {0.0, 0.2137, 0.5681}) {
       const State state = whole.at(place * longest_s);
-      const FreeBody here{body.principal_moments, state.q_inertial_from_body, state.momentum_body};
-      const ThetaMotion motion(here);
-      for (const double size : {1e-7, 1e-4}) {
-        for (int axis = 0; axis < 3; ++axis) {
-          for (const double sign : {-1.0, 1.0}) {
-            FreeBody pushed = here;
-            pushed.momentum_body += sign * size * here.momentum_body.norm() * Vector3::Unit(axis);
-            const ThetaMotion other(pushed);
-            for (std::size_t i = 1; i < by_time_.size(); ++i) {
-              for (const double direction : {-1.0, 1.0}) {
-                const double t_s = direction * time_s(i);
-                const double angle =
-                    rotation_angle_rad(motion.at(t_s).q_inertial_from_body, other.at(t_s).q_inertial_from_body);
-                by_time_[i] = std::max(by_time_[i], angle / size);
-              }
-            }
-          }
+      const FreePartials motion({body.principal_moments, state.q_inertial_from_body, state.momentum_body});
+      for (std::size_t i = 1; i < by_time_.size(); ++i) {
+        for (const double direction : {-1.0, 1.0}) {
+          const Matrix3 turn = motion.at(direction * time_s(i)).partials.block<3, 3>(0, 3);
+          const double worst = std::sqrt(largest_variance(turn * turn.transpose()));
+          by_time_[i] = std::max(by_time_[i], state.momentum_body.norm() * worst);
         }
       }
     }
     for (std::size_t i = 0; i < by_time_.size(); ++i) {
-      // sqrt(3): a direction between the axes. A change of momentum alone turns nothing, but may be a turn of it.
-      by_time_[i] = 2.0 * std::sqrt(3.0) * std::max(by_time_[i], 1.0);
+      // A change of momentum alone turns nothing, but may be a turn of it.
+      by_time_[i] = 2.0 * std::max(by_time_[i], 1.0);
       if (i > 0) by_time_[i] = std::max(by_time_[i], by_time_[i - 1]);
     }
   }
@@ -254,8 +247,11 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
 }  // namespace
 
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
-                 bool full) {
+                 bool full, double uncertain_rad) {
   checked(body);
+  if (!(uncertain_rad >= 0.0)) {
+    throw InputError(fmt::format("the attitude is uncertain by {} rad, 0 or more is wanted", uncertain_rad));
+  }
   if (!(accuracy_rad > 0.0 && std::isfinite(accuracy_rad))) {
     throw InputError(fmt::format("the accuracy is {}, a positive angle in radians is wanted", accuracy_rad));
   }
@@ -294,27 +290,35 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   const auto bound_rad = [&](std::size_t i) { return plan.effects[i].secular_rad.value_or(kInfinity); };
   std::sort(by_size.begin(), by_size.end(), [&](std::size_t a, std::size_t b) { return bound_rad(a) < bound_rad(b); });
   std::vector<Torque> kept;
+  const double of_accuracy_rad = ErrorBudget::dropped_of_motion * budget_rad;
+  const double of_uncertainty_rad = kDroppedOfUncertainty * std::min(uncertain_rad, std::numbers::pi);
   for (const std::size_t i : by_size) {  // the smallest first, while they fit into half the accuracy
     PlannedEffect& effect = plan.effects[i];
-    effect.kept = full || plan.dropped_rad + bound_rad(i) > ErrorBudget::dropped_of_motion * budget_rad;
+    const double all_rad = plan.dropped_rad + bound_rad(i);
+    effect.kept = full || all_rad > std::max(of_accuracy_rad, of_uncertainty_rad);
     if (!effect.kept) {
-      effect.why = "negligible, also together with all others that are dropped";
-      plan.dropped_rad += bound_rad(i);
+      effect.why = all_rad <= of_accuracy_rad
+                       ? "negligible, also together with all others that are dropped"
+                       : fmt::format("below a tenth of the {:.1e} rad that the uncertainties do anyway",
+                                     std::min(uncertain_rad, std::numbers::pi));
+      plan.dropped_rad = all_rad;
     } else if (full) {
       effect.why = "everything was asked for";
     } else if (!effect.secular_rad) {
       effect.why = "the body is at rest: any torque turns it";
     } else {
       effect.why = fmt::format("may turn it by more than {:.1e} rad",
-                               ErrorBudget::dropped_of_motion * budget_rad - plan.dropped_rad);
+                               std::max(of_accuracy_rad, of_uncertainty_rad) - plan.dropped_rad);
     }
   }
+  // What is dropped for the uncertainties' sake is beyond the accuracy, and not counted against it.
+  const double beyond_rad = std::max(0.0, plan.dropped_rad - of_accuracy_rad);
   for (std::size_t i = 0; i < plan.effects.size(); ++i) {
     if (plan.effects[i].kept) kept.push_back(torques.list()[i]);
   }
   plan.kept = Torques(std::move(kept));
   // What is not spent on dropped effects is left for the propagation.
-  plan.tolerance_rad = full ? std::min(kFullTolerance_rad, budget_rad) : budget_rad - plan.dropped_rad;
+  plan.tolerance_rad = full ? std::min(kFullTolerance_rad, budget_rad) : budget_rad - (plan.dropped_rad - beyond_rad);
   if (plan.kept.empty()) {
     name_free_model(body, accuracy_rad, plan);
     plan.torque_evaluations = 0.0;
@@ -323,7 +327,7 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
     return plan;
   }
   plan.error_rad = plan.dropped_rad + plan.tolerance_rad + ErrorBudget::rounding_rad;
-  if (plan.error_rad > accuracy_rad) throw_no_room(accuracy_rad, plan.error_rad);
+  if (plan.error_rad - beyond_rad > accuracy_rad) throw_no_room(accuracy_rad, plan.error_rad);
   if (!full) {
     const KickedOptions kicked{plan.tolerance_rad, first_s, last_s, kMostTorqueEvaluations};
     if (const auto evaluations = KickedMotion::predicted_evaluations(body, plan.kept, kicked)) {

@@ -56,9 +56,11 @@ inline std::size_t usual_torque_evaluations(const Torques& torques) {
 ///
 /// The bound of a torque: its largest magnitude at any attitude, divided by the momentum, pushes the momentum at every
 /// instant, each time in the worst direction; what such a push turns by the end of the span is the response of the
-/// exact free motion after the time that is left, measured (twelve perturbed momenta, at three places on the polhode,
-/// both ways in time) and doubled. An effect is dropped if all dropped ones together stay below half of the motion's
-/// share; what they leave is for the propagation. `full` keeps everything, at 1e-9 rad.
+/// exact free motion after the time that is left, by its partial derivatives (at three places on the polhode, both ways
+/// in time), doubled. An effect is dropped if all dropped ones together stay below half of the motion's
+/// share; what they leave is for the propagation. `full` keeps everything, at 1e-9 rad. Where the body's numbers leave
+/// the attitude uncertain by `uncertain_rad` at the end of the span, effects are also dropped that together stay below
+/// a tenth of that: Plan::dropped_rad may then be larger than the accuracy.
 ///
 /// Torques are in the axes of body.named_from_principal, in the plan too. Throws InputError for what checked() refuses,
 /// a span without 0, an accuracy that is not positive and finite.
@@ -70,7 +72,7 @@ inline std::size_t usual_torque_evaluations(const Torques& torques) {
 /// where the surroundings change too often in the span to be followed in 2 million steps, and for an accuracy that the
 /// rounding of the free motion over the span leaves no room for.
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
-                 bool full = false);
+                 bool full = false, double uncertain_rad = 0.0);
 
 /// What came of a plan.
 struct PlannedMotion {

@@ -8,6 +8,8 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/body/uncertain_state.hpp"
+#include "polhode/read/ccsds_frames.hpp"
 #include "polhode/read/ccsds_reader.hpp"
 #include "polhode/read/ccsds_rules.hpp"
 
@@ -35,7 +37,6 @@ class AcmReader : CcsdsReader {
     std::string single;  // the block above, if there is at most one such
     const std::string designator = f.text("INTERNATIONAL_DESIGNATOR");
     AttitudeHistory history = new_history(designator.empty() ? f.text("OBJECT_DESIGNATOR") : designator);
-    std::size_t covariances = 0;
     std::size_t manoeuvres = 0;
     for (const CcsdsBlock& block : data.blocks) {
       check_order(block, order);
@@ -48,7 +49,6 @@ class AcmReader : CcsdsReader {
         read_phys(block);
       } else if (block.name == "COV") {
         read_cov(block);
-        ++covariances;
       } else if (block.name == "MAN") {
         read_man(block);
         ++manoeuvres;
@@ -59,9 +59,9 @@ class AcmReader : CcsdsReader {
         note("user-defined parameters are left out");
       }
     }
-    if (covariances > 0) note(fmt::format("covariance histories: {}, checked and left out", covariances));
     if (manoeuvres > 0) warn(fmt::format("manoeuvres: {}; no motion takes them into account", manoeuvres));
     finish(std::move(history));
+    set_covariance();
     return std::move(out_);
   }
 
@@ -168,14 +168,46 @@ class AcmReader : CcsdsReader {
     const CcsdsFields f = fields_beside_rows(block, ccsds_rules::cov);
     const std::string type = f.normal("COV_TYPE");
     const std::size_t numbers = (type.starts_with("ANGLE") ? 3 : 4) + (type.find('_') != std::string::npos ? 3 : 0);
-    frame_name(f, "COV_REF_FRAME");
-    read_rows(block, numbers, [this](Instant, const std::vector<double>& n, const CcsdsRow& row) {
+    Variances variances{frame_name(f, "COV_REF_FRAME"), type == "ANGLE" || type == "ANGLE_ANGVEL", {}};
+    read_rows(block, numbers, [&](Instant time, const std::vector<double>& n, const CcsdsRow& row) {
       const auto negative = std::find_if(n.begin(), n.end(), [](double variance) { return variance < 0.0; });
       if (negative != n.end()) {
         const auto column = static_cast<std::size_t>(negative - n.begin()) + 1;
         throw error(row.line, fmt::format("variance {} is negative", row.cells[column].value));
       }
+      variances.rows.emplace_back(time, n);
     });
+    variances_.push_back(std::move(variances));
+  }
+
+  /// Of the state: the row at its epoch, of small turns about the body's axes or those of the attitude's frame, and of
+  /// rates. Other rows follow from it, or from what the motion does not know.
+  void set_covariance() {
+    Body& body = out_.body;
+    std::size_t left_out = variances_.size();
+    const std::optional<StatedAttitude> attitude =
+        body.attitudes.empty() ? std::nullopt : std::optional(body.attitudes.back());
+    for (const Variances& variances : variances_) {
+      if (body.uncertainty || !variances.of_angles || !attitude || !body.state) continue;
+      StateSigmas sigmas;
+      if (known_inertial_frame(variances.frame) == attitude->known_frame && attitude->known_frame) {
+        sigmas.named_from_axes = attitude->q_frame_from_body.conjugate().toRotationMatrix();
+      } else if (!same_frame(variances.frame, attitude->body)) {
+        continue;
+      }
+      for (const auto& [time, n] : variances.rows) {
+        if (std::abs((time - body.state->epoch).high) > 1e-6) continue;
+        sigmas.turn_deg = Vector3(n.data()).cwiseSqrt();
+        if (n.size() == 6) sigmas.rate_deg_s = Vector3(n.data() + 3).cwiseSqrt();
+        set_state_uncertainty(body, sigmas);
+        note(
+            fmt::format("the covariance at the state's epoch is taken: {:.3g}, {:.3g}, {:.3g} deg about the axes of {}",
+                        sigmas.turn_deg[0], sigmas.turn_deg[1], sigmas.turn_deg[2], variances.frame));
+        --left_out;
+        break;
+      }
+    }
+    if (left_out > 0) note(fmt::format("covariance histories: {}, checked and left out", left_out));
   }
 
   void read_man(const CcsdsBlock& block) {
@@ -219,6 +251,14 @@ class AcmReader : CcsdsReader {
     }
     note(fmt::format("attitude determination with {} sensors, checked and left out", block.blocks.size()));
   }
+
+  /// A COV block. An ACM has variances only.
+  struct Variances {
+    std::string frame;
+    bool of_angles = false;
+    std::vector<std::pair<Instant, std::vector<double>>> rows;
+  };
+  std::vector<Variances> variances_;
 };
 
 }  // namespace

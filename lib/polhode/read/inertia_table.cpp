@@ -160,6 +160,7 @@ Inertia read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundi
     diagonal = !table.has("products");
     if (!diagonal) {
       products = table.vector3("products");
+      diagonal = products.isZero(0.0);
       const std::string are = table.text("products_are");
       if (are == "positive integrals") {
         sign = ProductsOfInertia::positive_integrals;
@@ -175,7 +176,7 @@ Inertia read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundi
     tensor = inertia_tensor(table.vector3("moments"), products, sign);
     add_inertia_numbers(table, unit.factor, sign == ProductsOfInertia::tensor_elements ? 1.0 : -1.0, around.numbers);
   }
-  if (axes_named && !diagonal) {
+  if (axes_named && !diagonal && !around.is_clone) {
     throw table.error(table.one_of({"long_axis", "intermediate_axis", "short_axis"}),
                       "only moments without products belong to axes that can be named so");
   }

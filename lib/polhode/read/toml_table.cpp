@@ -204,10 +204,10 @@ void TomlTable::allow_only(std::span<const std::string_view> keys, std::span<con
       if (!has(number)) throw error(name, fmt::format("goes with {}, which is not given", number));
       continue;
     }
-    std::string allowed = fmt::format("{}", fmt::join(keys, ", "));
+    std::string allowed = fmt::format("{}{}{}", fmt::join(with_sigma, ", "),
+                                      keys.empty() || with_sigma.empty() ? "" : ", ", fmt::join(keys, ", "));
     if (!with_sigma.empty()) {
-      allowed += fmt::format("{}{}, and of these with _sigma behind it the uncertainty", keys.empty() ? "" : ", ",
-                             fmt::join(with_sigma, ", "));
+      allowed += fmt::format(", and uncertainties: {}_sigma", fmt::join(with_sigma, "_sigma, "));
     }
     throw error(name, fmt::format("unknown key; allowed here: {}", allowed));
   }

@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/ephemeris/row_spacing.hpp"
+#include "polhode/motion/attitude_covariance.hpp"
 #include "polhode/motion/conditioning.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/motion/known_until.hpp"
@@ -53,6 +55,21 @@ BodyInMotion free_motion_of(Body body, Frame frame, const Method& method) {
   return moving;
 }
 
+double uncertain_at_end_rad(const Scene& scene) {
+  if (!scene.body.uncertainty) return 0.0;
+  const AttitudeCovariance covariance(scene.body);
+  double least_rad = std::numeric_limits<double>::infinity();
+  for (const double end_s : {scene.first_s, scene.last_s}) {
+    if (end_s != 0.0) least_rad = std::min(least_rad, covariance.sigma_rad(end_s));
+  }
+  return least_rad;
+}
+
+Plan plan_of(const Scene& scene, bool full) {
+  return plan_motion(free_body(scene.body, scene.frame), scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad,
+                     full, uncertain_at_end_rad(scene));
+}
+
 BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std::size_t> most_evaluations) {
   BodyInMotion moving;
   moving.body = scene.body;
@@ -61,7 +78,7 @@ BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std:
   moving.under_torques = true;
   moving.first_s = scene.first_s;
   moving.last_s = scene.last_s;
-  const Plan plan = plan_motion(moving.free, scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad, full);
+  const Plan plan = plan_of(scene, full);
   PlannedMotion planned =
       planned_motion(plan, moving.free, scene.first_s, scene.last_s,
                      most_evaluations.value_or(full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));

@@ -34,6 +34,13 @@ struct BodyInMotion {
 /// The free motion of a complete body by this method. Throws what free_body() throws.
 BodyInMotion free_motion_of(Body body, Frame frame, const Method& method);
 
+/// One sigma of the attitude at the end of a scene's span by its body's uncertainties, without torques: at the end
+/// where it is less, if the span has two. 0 without uncertainties.
+double uncertain_at_end_rad(const Scene& scene);
+
+/// The plan of a scene; `full` keeps every effect.
+Plan plan_of(const Scene& scene, bool full);
+
 /// The motion of a scene as planned. Throws what free_body(), plan_motion() and planned_motion() throw;
 /// `most_evaluations` is the library's choice unless given.
 BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std::size_t> most_evaluations);

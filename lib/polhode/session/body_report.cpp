@@ -112,7 +112,9 @@ BodyReport report_on(const std::string& path, BodyAndHistory file) {
     }
   }
   if (body.uncertainty && report.spin && report.spin->mode != RotationMode::rest) {
-    report.energy_sigma = energy_sigma(body);
+    constexpr double rounding = 1e-15;  // a factor of all rates changes nothing of it
+    const double sigma = energy_sigma(body);
+    if (sigma > rounding) report.energy_sigma = sigma;
     if (body.missing.empty()) report.worth = state_worth(body);
   }
   return report;

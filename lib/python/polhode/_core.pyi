@@ -302,12 +302,22 @@ class Body:
         The free motion in an inertial frame. Raises InputError naming what the body lacks.
         """
 
-    def phase_horizon(self, angle: float | str | astropy.units.Quantity) -> float | None:
+    def __repr__(self) -> str: ...
+
+    @property
+    def uncertainty(self) -> Uncertainty | None:
+        """Of its published numbers; None: they count as exact."""
+
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Seconds from the epoch in which the phase comes to be off by the angle, or None.
+        Of (theta0, m0, I) at the epoch, shape (9, 9): a small turn of the principal axes and a change of the momentum along them, both given in the named axes, and the principal moments: what Motion.partials() takes derivatives by. Raises InputError for a body without uncertainties.
         """
 
-    def __repr__(self) -> str: ...
+    def known_until(self, angle: float | str | astropy.units.Quantity) -> float:
+        """
+        The first second after the epoch at which one sigma of the attitude is larger than the angle (rad, or '1 deg'), by the uncertainties, without torques; inf: never. Raises InputError for a body without uncertainties.
+        """
 
 def read(path: str | os.PathLike[str]) -> Any:
     """
@@ -630,9 +640,14 @@ class Motion:
 
     def __repr__(self) -> str: ...
 
-    def ephemeris(self, start: Any = None, stop: Any = None, *, step: float | str | astropy.units.Quantity | None = None, count: int | None = None, tolerance: float | str | astropy.units.Quantity | None = None, times: Any = None, scale: str = 'TDB') -> Ephemeris:
+    def ephemeris(self, start: Any = None, stop: Any = None, *, step: float | str | astropy.units.Quantity | None = None, count: int | None = None, tolerance: float | str | astropy.units.Quantity | None = None, times: Any = None, scale: str = 'TDB', covariance: bool = False) -> Ephemeris:
         """
-        Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate within a tolerance (rad, or '1 arcsec'); or at `times`. A time is seconds from the epoch (TT), a date, an Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. Raises InputError.
+        Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate within a tolerance (rad, or '1 arcsec'); or at `times`. A time is seconds from the epoch (TT), a date, an Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. covariance: that of the attitude too, of a body with uncertainties. Raises InputError.
+        """
+
+    def covariance(self, t: Any, *, threads: int = 1) -> numpy.typing.NDArray[numpy.float64]:
+        """
+        Of the attitude at t, rad^2, an array (..., 3, 3): of a small turn in body axes, to first order, by the body's uncertainties. Raises InputError for a body without.
         """
 
 def FreeMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike, momentum: numpy.typing.ArrayLike, *, method: str = 'auto', threads: int = 1) -> Motion:
@@ -681,12 +696,12 @@ class Ephemeris:
 
     def write(self, path: str | os.PathLike[str], *, format: str | None = None, momentum: bool = False, adm: str = '', attitude_type: str = '', euler_sequence: str = '') -> int:
         """
-        Writes a file, whose ending says the format (.fits, .fits.gz, .aem, .xml, .csv, .ecsv, .jsonl) unless `format` does; returns the number of rows. momentum: that too, in tables. adm, attitude_type, euler_sequence: of CCSDS messages. The file appears whole or not at all. Raises InputError, FileError, ComputationError.
+        Writes a file, whose ending says the format (.fits, .fits.gz, .aem, .xml, .acm, .csv, .ecsv, .jsonl) unless `format` does; returns the number of rows. momentum: that too, in tables. adm, attitude_type, euler_sequence: of CCSDS messages. The file appears whole or not at all. Raises InputError, FileError, ComputationError.
         """
 
     def arrays(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
-        The rows as arrays: time_s, seconds of the scale from `reference`; q, scalar first; omega; momentum; in named axes. Rows of a tolerance are spaced for great circles.
+        The rows as arrays: time_s, seconds of the scale from `reference`; q, scalar first; omega; momentum; in named axes; if asked for, sigma (rad) and covariance (n, 6; xx, xy, xz, yy, yz, zz). Rows of a tolerance are spaced for great circles.
         """
 
     @property
@@ -822,3 +837,27 @@ def compare(a: AttitudeHistory | Body | Motion, b: AttitudeHistory | Body | Moti
     """
     The angle between two attitudes: histories, or a history and a Body's free motion or any Motion; at the times of the history, a's if both are. Raises InputError where they cannot be related.
     """
+
+class Uncertainty:
+    """How well the published numbers of a body are known."""
+
+    @property
+    def names(self) -> list[str]:
+        """
+        Of the numbers that are not exact, as in body files: 'components.x', 'P_phi'.
+        """
+
+    @property
+    def values(self) -> numpy.typing.NDArray[numpy.float64]:
+        """As published, in the file's units, shape (n,)."""
+
+    @property
+    def covariance(self) -> numpy.typing.NDArray[numpy.float64]:
+        """Of the values, shape (n, n)."""
+
+    def body(self, values: numpy.typing.ArrayLike) -> Body:
+        """
+        The body with these values in the place of the published ones: a clone, if they are drawn. Raises InputError where no body has them.
+        """
+
+    def __repr__(self) -> str: ...
