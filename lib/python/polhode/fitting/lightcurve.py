@@ -8,10 +8,11 @@ from __future__ import annotations
 
 import os
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 
-from .._core import FreeMotion, Inertia, q_frame_from_momentum, solve_periods
+from .._core import FreeMotion, Inertia, Instant, q_frame_from_momentum, solve_periods
 from .._errors import ComputationError, InputError
 from . import rotations
 from .frequencies import lines, pairs
@@ -63,11 +64,13 @@ def from_magnitudes(name, rows, *, shape, within, most_solutions, max_rate, prog
             if progress:
                 progress(k + 1, len(tried) + KEPT)
         starts.sort(key=lambda start: start[0])
-        tasks = [(name, rows, epoch, start, float(np.abs(curve.t).max())) for start in starts[:KEPT]]
+        plain = [replace(r, instants=[i.since_j2000("TT") for i in r.instants]) for r in rows]  # for another process
+        half_span = float(np.abs(curve.t).max())
+        tasks = [(name, plain, epoch.since_j2000("TT"), start, half_span) for start in starts[:KEPT]]
         ends = []
         for k, end in enumerate(pool.map(fitted, tasks)):
             if end is not None:
-                ends.append(end)
+                ends.append((end[0], problem_of(name, rows, epoch, starts[k]), end[1]))
             if progress:
                 progress(len(tried) + k + 1, len(tried) + KEPT)
     if not ends:
@@ -157,16 +160,22 @@ def grid_of_pair(task):
     return out[:KEPT_OF_PAIR]
 
 
-def fitted(task):
-    """(chi-squared, problem, values) of a fit from a start: to the main apparition, then to all; None where it fails."""
-    name, rows, epoch, (_, q, omega, moments), half_span = task
+def problem_of(name, rows, epoch, start):
+    _, q, omega, moments = start
     parameters = Parameters.of_state(name, epoch, FRAME, q, omega, np.diag(moments))
-    problem = Problem(parameters, FreeMotions(parameters), rows, Photometry(None))
+    return Problem(parameters, FreeMotions(parameters), rows, Photometry(None))
+
+
+def fitted(task):
+    """(chi-squared, values) of a fit from a start: to the main apparition, then to all; None where it fails."""
+    name, plain, epoch, start, half_span = task
+    rows = [replace(r, instants=[Instant.from_tt_j2000(*i) for i in r.instants]) for r in plain]
+    problem = problem_of(name, rows, Instant.from_tt_j2000(*epoch), start)
     main = [np.abs(t) <= half_span * 1.001 for t in problem.times]
     values = problem.values
     try:
         residual = np.concatenate([(r * problem.sigma[k][m][:, None]).ravel() for k, (m, (_, r, _)) in enumerate(zip(main, problem.each(values, main, False)))])
-        values[len(parameters.numbers)] += float(np.median(residual))
+        values[len(problem.parameters.numbers)] += float(np.median(residual))
         values, cost = solved(problem, [(values, np.inf)], main, "linear", rough=True)[0]
         values, cost = solved(problem, [(values, cost)], main, "linear", rough=False)[0]
         if not all(m.all() for m in main):
@@ -175,7 +184,7 @@ def fitted(task):
             values, cost = to_all(problem, values, main)
     except (ComputationError, InputError):
         return None
-    return cost, problem, values
+    return cost, values
 
 
 def to_all(problem, values, main):
