@@ -1,4 +1,4 @@
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 import os
 from typing import Any, overload
 
@@ -69,6 +69,10 @@ class Instant:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 def leap_seconds() -> list[tuple[int, int, float]]:
     """
     The table in use: (year, month, TAI - UTC in seconds from the first day of that month on).
@@ -126,6 +130,10 @@ class Inertia:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 class Mesh:
     """
     A closed surface of triangles, corners counter-clockwise seen from outside.
@@ -148,6 +156,10 @@ class Mesh:
         """
         Of the solid of density 1 that the mesh bounds. Raises InputError for one that bounds none, naming facets.
         """
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class MassProperties:
     """Of a solid of density 1, in the axes and unit of its mesh."""
@@ -319,6 +331,10 @@ class Body:
         The first second after the epoch at which one sigma of the attitude is larger than the angle (rad, or '1 deg'), by the uncertainties, without torques; inf: never. Raises InputError for a body without uncertainties.
         """
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 def read(path: str | os.PathLike[str]) -> Any:
     """
     What a file holds, by its content: a Scene, an AttitudeHistory (tables and messages of attitudes), or a Body (every other format; its `history` has the attitudes that stand beside a complete body). FILE#ROW is a row of a table of bodies. Raises InputError with file and line, FileError.
@@ -352,6 +368,10 @@ class Orbit:
 
     def __call__(self, t_s: float) -> tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]:
         """Position (m) and velocity (m/s) at seconds from the body's epoch."""
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class Torque:
     """
@@ -401,13 +421,13 @@ class Torque:
         """
 
     @staticmethod
-    def function(function: typing.Callable[..., numpy.typing.ArrayLike], *, orbit: Orbit | None = None, kinks: bool = True, largest: float | None = None) -> Torque:
+    def function(function: Callable[..., numpy.typing.ArrayLike], *, orbit: Orbit | None = None, kinks: bool = True, largest: float | None = None) -> Torque:
         """
         Of your own: function(t_s, q, omega) gives three numbers, N m in body axes; with an orbit function(t_s, q, omega, position_m). t_s is a float, q (4,) scalar first from body to inertial axes, omega (3,) in rad/s in body axes, the position (3,) in inertial axes. Say kinks=False of a function that is smooth in all of them: it is then evaluated less often. `largest`: no torque of it is larger, for plans.
         """
 
     @staticmethod
-    def compiled(function: typing.Any, *, orbit: Orbit | None = None, kinks: bool = True, largest: float | None = None) -> Torque:
+    def compiled(function: Any, *, orbit: Orbit | None = None, kinks: bool = True, largest: float | None = None) -> Torque:
         """
         The same by machine code, called without the interpreter's lock: a numba cfunc, a ctypes function pointer, a scipy LowLevelCallable, or an address, of void f(double t_s, const double *q, const double *omega, const double *position_m, double *torque). The position is null without an orbit.
         """
@@ -421,6 +441,10 @@ class Torque:
         """
 
     def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class PlannedEffect:
     """What one torque can do over a span, from above, and what became of it."""
@@ -530,6 +554,10 @@ class Scene:
 
     def __repr__(self) -> str: ...
 
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
 class State:
     """
     Attitude, rate and momentum at a time or an array of times: arrays of the shape of the times (bodies and times broadcast against each other), and one more axis.
@@ -575,6 +603,10 @@ class State:
     def units(self) -> dict[str, str]: ...
 
     def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[tuple[str, bytes], object, object, object, object]: ...
+
+    def __setstate__(self, arg: tuple[tuple[str, bytes], object, object, object, object], /) -> None: ...
 
 class Account:
     """What was done to compute a motion, and what it promises."""
@@ -648,8 +680,12 @@ class Motion:
 
     def partials(self, t: Any, *, threads: int = 1) -> numpy.typing.NDArray[numpy.float64]:
         """
-        Exact partial derivatives of a free motion at t, an array (..., 6, 9): rows theta (a small turn of the attitude in body axes, rad) and the momentum; columns the same two at the epoch, and the principal moments I1 <= I2 <= I3. In the axes of the states. A derivative by a moment holds attitude and momentum at the epoch, so that the rate changes.
+        Partial derivatives of the motion at t, an array (..., 6, 9): rows theta (a small turn of the attitude in body axes, rad) and the momentum; columns the same two at the epoch, and the principal moments I1 <= I2 <= I3; under torques also their parameters, as partial_columns names them. In the axes of the states. A derivative by a moment holds attitude and momentum at the epoch, so that the rate changes. Of a free motion they are exact.
         """
+
+    @property
+    def partial_columns(self) -> list[str]:
+        """Names of the columns of partials()."""
 
     def observe(self, times: Any, target: Orbit | str | os.PathLike[str] | None = None, *, observer: Orbit | str | os.PathLike[str] = 'geocentre', sun: Orbit | str | os.PathLike[str] | None = None, site: tuple[float, float, float] | None = None, directions: tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, centre: str = 'Sun', trajectory_frame: str | None = None, ut1_minus_utc_s: float = 0.0, pole_x_arcsec: float = 0.0, pole_y_arcsec: float = 0.0, convention: str = 'long-axis', frame: str = 'ECLIPJ2000', shape: Mesh | str | os.PathLike[str] | numpy.typing.ArrayLike | None = None, shape_unit: str | None = None, law: str = 'lommel-seeliger', lambert_weight: float = 0.1, specular: float = 0.0, H: float | None = None, hg1g2: tuple[float, float] | None = None, phase_polynomial: tuple[float, float] | None = None, exposure: float | str | astropy.units.Quantity | None = None, geometry: bool = True, threads: int = 0) -> dict[str, numpy.typing.NDArray[numpy.float64]]:
         """
@@ -665,7 +701,7 @@ class Motion:
 
     def ephemeris(self, start: Any = None, stop: Any = None, *, step: float | str | astropy.units.Quantity | None = None, count: int | None = None, tolerance: float | str | astropy.units.Quantity | None = None, times: Any = None, scale: str = 'TDB', covariance: bool = False) -> Ephemeris:
         """
-        Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate within a tolerance (rad, or '1 arcsec'); or at `times`. A time is seconds from the epoch (TT), a date, an Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. covariance: that of the attitude too, of a body with uncertainties. Raises InputError.
+        Rows from `start` (the epoch, or where the scene begins, unless said) to `stop` (a scene's end unless said): a step apart (s, or '10 min'), `count` of them, or as few as keep what readers of the file interpolate within a tolerance (rad, or '1 arcsec'; a scene's accuracy unless said); or at `times`, in any order. A time is seconds from the epoch (TT), a date, an Instant, an astropy Time, or '+30 d' from the epoch, for `stop` from the start. `scale` is that of the rows. covariance: that of the attitude too, of a body with uncertainties. Raises InputError.
         """
 
     def covariance(self, t: Any, *, threads: int = 1) -> numpy.typing.NDArray[numpy.float64]:
@@ -673,9 +709,13 @@ class Motion:
         Of the attitude at t, rad^2, an array (..., 3, 3): of a small turn in body axes, to first order, by the body's uncertainties. Raises InputError for a body without.
         """
 
-def FreeMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike, momentum: numpy.typing.ArrayLike, *, method: str = 'auto', threads: int = 1) -> Motion:
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
+
+def FreeMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, momentum: numpy.typing.ArrayLike, *, method: str = 'auto', threads: int = 1) -> Motion:
     """
-    The free motion of a body, or of an array of them, in their principal axes. moments (..., 3): I1 <= I2 <= I3, any unit; q (..., 4): attitude at t = 0, scalar first, body to inertial, any length but 0; momentum (..., 3), principal axes. The leading axes are broadcast. Raises InputError.
+    The free motion of a body, or of an array of them, in their principal axes. moments (..., 3): I1 <= I2 <= I3, any unit; q (..., 4): attitude at t = 0, scalar first, body to inertial, any length but 0, or a scipy Rotation; momentum (..., 3), principal axes. The leading axes are broadcast. Raises InputError.
     """
 
 def TorquedMotion(moments: numpy.typing.ArrayLike, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, momentum: numpy.typing.ArrayLike, torques: Sequence[Torque], first_s: float, last_s: float, *, tolerance_rad: float = 1e-09, method: str = 'auto', max_evaluations: int | None = None) -> Motion:
@@ -783,7 +823,7 @@ class AttitudeHistory:
     An attitude given by rows: a table, or a CCSDS message. `read` makes one from a file.
     """
 
-    def __init__(self, object: str, times: object, q: numpy.typing.ArrayLike, omega: numpy.typing.ArrayLike | astropy.units.Quantity | None = None, *, frame: str = 'ICRF', body_axes: str = 'SC_BODY_1', scale: str = 'UTC') -> None:
+    def __init__(self, object: str, times: object, q: numpy.typing.ArrayLike | scipy.spatial.transform.Rotation, omega: numpy.typing.ArrayLike | astropy.units.Quantity | None = None, *, frame: str = 'ICRF', body_axes: str = 'SC_BODY_1', scale: str = 'UTC') -> None:
         """
         Without a file: instants that increase (an astropy Time, or a list of Instants or dates), attitudes (n, 4) and perhaps rates (n, 3). `scale` is that of its rows where it is written. Raises InputError.
         """
@@ -833,6 +873,10 @@ class AttitudeHistory:
         """
 
     def __repr__(self) -> str: ...
+
+    def __getstate__(self) -> tuple[str, bytes]: ...
+
+    def __setstate__(self, arg: tuple[str, bytes], /) -> None: ...
 
 class Difference:
     """Between two attitudes over time."""
