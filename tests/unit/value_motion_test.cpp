@@ -156,7 +156,7 @@ TEST(EdgeCorrections, IntegrateAPartThatSetsInOrEnds) {
         stages += h * dp::kWeights[dp::kStages][j] * std::max(cosine(x), 0.0) * per_cosine(x);
       }
       const Vector3 corrected = stages + corrections.increment.head<3>().matrix();
-      EXPECT_LT((corrected - exact).norm(), 2e-6) << edge;  // without, up to 3e-2
+      EXPECT_LT((corrected - exact).norm(), 3e-6) << edge;  // without, up to 5e-2
       largest = std::max(largest, (stages - exact).norm());
       EXPECT_NEAR(corrections.increment[3], 2.0 * corrections.increment[0], 1e-14);
       EXPECT_TRUE((corrections.increment.tail<4>() == 0.0).all());

@@ -24,11 +24,7 @@ ValueMotion::ValueMotion(const FreeBody& body, const Torques& torques, const Opt
   const double least_share = torques.smooth()      ? 0.0
                              : torques.has_edges() ? values::Tuning::with_edges
                                                    : values::Tuning::with_kinks;
-  // Errors of the rate grow with the time that is left: over many turns more comes of the same errors of the steps.
-  const double phase_rad =
-      body.momentum_body.cwiseQuotient(body.principal_moments).norm() * std::max(options.last_s, -options.first_s);
-  double sum_rad = values::Tuning::first_run / std::max(1.0, 4.0 * least_share) /
-                   std::sqrt(1.0 + phase_rad / values::Tuning::many_turns_rad) * options.tolerance_rad;
+  double sum_rad = values::Tuning::first_run / std::max(1.0, 4.0 * least_share) * options.tolerance_rad;
   Path kept_forward, kept_backward;
   whole_ = builder.run(sum_rad, nullptr, nullptr, kept_forward, kept_backward);
   kept_evaluations_ = builder.evaluations();

@@ -9,6 +9,7 @@ namespace {
 
 using values::Unknowns;
 
+constexpr double kRoundings = 5e-15;
 constexpr double kAside = 1e-5;  // of states on either side: a turn, or of the momentum
 
 struct SmallChange {
@@ -36,9 +37,18 @@ class ValueMotion::ValuePartials final : public Partials {
       Way& way = forward ? forward_ : backward_;
       for (const Leg& leg : path) way.sides.push_back(sides_of(leg));
       for (const TorqueParameter& parameter : parameters) {
-        // Torques grow in proportion to it: the step may be large where their effect is small.
+        // Torques grow in proportion to it: the step may be large where their effect is small. But along with mu goes
+        // the place on the orbit, which is turned by `orbit_rad` in all.
         const double most = largest_turn_rad(path);
-        const double step = parameter.scale * std::clamp(kAside / most, 0x1p-20, 0x1p-3);
+        double share = std::clamp(kAside / most, 0x1p-20, 0x1p-3);
+        const auto* pull = std::get_if<GravityGradient>(&torques.list()[parameter.torque]);
+        if (pull != nullptr && pull->trajectory.orbit() != nullptr) {
+          const KeplerElements& orbit = pull->trajectory.orbit()->elements();
+          const double orbit_rad = std::sqrt(orbit.mu_m3_s2 / std::pow(orbit.periapsis_m, 3)) *
+                                   std::abs(forward ? motion.last_s() : motion.first_s());
+          share = std::min(share, std::cbrt(kRoundings / (most * orbit_rad * orbit_rad)));
+        }
+        const double step = parameter.scale * share;
         const double more = parameter.value + step, less = parameter.value == 0.0 ? 0.0 : parameter.value - step;
         std::vector<Side> added[2];
         for (const double value : {more, less}) {

@@ -63,14 +63,14 @@ void states_of_bodies(const Sample& sample, std::span<const FreeBody> bodies, co
 }
 
 /// What does not change along a free motion.
-struct Rates {
+struct CloneRates {
   CloneState::Mode mode = CloneState::Mode::other;
   double polhode_period_s = std::numeric_limits<double>::quiet_NaN();
   double precession_period_s = std::numeric_limits<double>::quiet_NaN();
 };
 
-Rates rates_of(const FreeBody& body, const Vector3& momentum) {
-  Rates out;
+CloneRates rates_of(const FreeBody& body, const Vector3& momentum) {
+  CloneRates out;
   if (!momentum.allFinite()) return out;
   Inertia inertia;
   inertia.principal_moments = body.principal_moments;
@@ -82,7 +82,7 @@ Rates rates_of(const FreeBody& body, const Vector3& momentum) {
   return out;
 }
 
-CloneState clone_state(const FreeBody& body, const double* q, const double* m, const Rates& rates) {
+CloneState clone_state(const FreeBody& body, const double* q, const double* m, const CloneRates& rates) {
   State state{Quaternion(q[0], q[1], q[2], q[3]), Vector3(m)};
   const NamedState named = named_state(body, state);
   return {named.q_inertial_from_named,
@@ -99,7 +99,7 @@ void clone_states(const Sample& sample, std::span<const FreeBody> bodies, const 
   states_of_bodies(sample, bodies, times, q, m);
   const std::size_t count = times.high.size();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    Rates rates;
+    CloneRates rates;
     for (std::size_t j = 0; j < count; ++j) {
       const std::size_t row = i * count + j;
       if (j == 0 || sample.moving.under_torques) {

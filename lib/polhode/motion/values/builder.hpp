@@ -17,10 +17,9 @@ namespace values {
 /// Found on the torqued bodies of data/truth, on random ones and on boxes in sunlight.
 struct Tuning {
   // Runs.
-  static constexpr double first_run = 15.0;         // its estimated errors, all added up, in tolerances
-  static constexpr double many_turns_rad = 2000.0;  // over more, less
-  static constexpr double finer = 0.1;              // of the second run
-  static constexpr double aim = 0.5;                // of the tolerance, of further ones
+  static constexpr double first_run = 15.0;  // its estimated errors, all added up, in tolerances
+  static constexpr double finer = 0.1;       // of the second run
+  static constexpr double aim = 0.5;         // of the tolerance, of further ones
   static constexpr int most_runs = 7;
   // What is claimed.
   static constexpr double power = 8.0 / 7.0;  // of the estimated errors, by which the errors of a run fall

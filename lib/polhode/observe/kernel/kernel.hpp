@@ -184,7 +184,7 @@ enum class Law { area, lommel_seeliger, both };
 
 /// `instants` at a time, so that a facet is read once for all of them.
 template <Law law, int instants>
-void facets_of(std::size_t first, const Directions& in, const FacetArrays& facets, const LawWeights& weights,
+void sum_facets(std::size_t first, const Directions& in, const FacetArrays& facets, const LawWeights& weights,
                const Results& out) {
   const Lanes zero = all<Lanes>(0.0);
   const Lanes tiny = all<Lanes>(1e-300);  // 0 / tiny where a facet is neither lit nor seen
@@ -228,8 +228,8 @@ void facets_by(std::size_t count, const Directions& in, const FacetArrays& facet
                const Results& out) {
   constexpr int together = kLanes == 8 ? 4 : 2;  // as the registers allow
   std::size_t i = 0;
-  for (; i + together <= count; i += together) facets_of<law, together>(i, in, facets, weights, out);
-  for (; i < count; ++i) facets_of<law, 1>(i, in, facets, weights, out);
+  for (; i + together <= count; i += together) sum_facets<law, together>(i, in, facets, weights, out);
+  for (; i < count; ++i) sum_facets<law, 1>(i, in, facets, weights, out);
 }
 
 void facets_at(std::size_t count, const Directions& in, const FacetArrays& facets, const LawWeights& law,
