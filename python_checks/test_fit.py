@@ -183,9 +183,9 @@ def test_what_is_known_beforehand_may_contradict(tmp_path):
     tables = text.replace(f"{fit.parameters['moments.x']}", "0.8", 1).split("[uncertainty]")[0]
     assert tables != text
     from polhode.fitting.documents import read_toml
+    from polhode.fitting.leading import led_along
     from polhode.fitting.parameters import Parameters
     from polhode.fitting.result import Fit
-    from polhode.fitting.leading import led_along
 
     (tmp_path / "body.toml").write_text(tables)
     parameters = Parameters(read_toml(tmp_path / "body.toml"))

@@ -104,7 +104,6 @@ def test_geometry_is_that_of_spice(seen):
 
 def test_axes_on_the_sky_and_angles_are_those_of_the_state(seen):
     motion, times, rows, _ = seen
-    inertia = motion  # the states say all
     emission = np.array([time - motion.epoch for time in times]) - rows["light_time_s"]
     state = motion(emission)
     long_axis = state.rotation.apply([0, 0, 1])

@@ -10,9 +10,10 @@ import time
 import traceback
 
 import numpy as np
-import polhode
 import pytest
 from support import angle_rad
+
+import polhode
 
 MU = 3.986004418e14
 BODY = [40.0, 70.0, 90.0], [0.3, -0.5, 0.7, 0.2], [0.3, 0.9, 1.1]

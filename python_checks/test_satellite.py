@@ -4,10 +4,10 @@ whole inertia tensor, facet by facet, the Sun's disc covered by a ball."""
 import re
 import subprocess
 import sys
-import tomllib
 
 import numpy as np
 import pytest
+import tomllib
 from astropy.table import Table
 from scipy.integrate import solve_ivp
 from support import ROOT, angle_rad, assert_within, run

@@ -3,12 +3,13 @@
 import json
 
 import numpy as np
-import polhode
 import pytest
 from astropy.io import fits
 from astropy.table import Table
 from scipy.spatial.transform import Rotation
 from support import ROOT, assert_within, run
+
+import polhode
 
 DAY = 86400.0
 BODIES = ROOT / "data/bodies"

@@ -132,7 +132,8 @@ TEST(TorquedPartials, AreDifferencesOfMotions) {
         const Eigen::Matrix<double, 6, 1> column = matrix.col(static_cast<Eigen::Index>(c));
         const double off = (column - expected).head<3>().norm() * scale, size = expected.head<3>().norm() * scale;
         // (mu turns the orbit, too: of that, differences on either side tell less.)
-        const bool turns_orbit = std::string_view(method) == "dormand-prince" && partials.columns()[c].ends_with("mu_m3_s2");
+        const bool turns_orbit =
+            std::string_view(method) == "dormand-prince" && partials.columns()[c].ends_with("mu_m3_s2");
         const double most = turns_orbit ? 1e-3 : 3e-6;
         EXPECT_LE(off, most * size + 1e-9) << method << ' ' << partials.columns()[c];
         EXPECT_LE((column - expected).tail<3>().norm(), most * expected.tail<3>().norm() + 1e-9 / scale)

@@ -56,8 +56,8 @@ def main(path, n=1):
         out.write("# made by envisat.py; metres\n")
         for name, (vertices, facets) in parts:
             out.write(f"usemtl {name}\n")
-            out.writelines("v %.9g %.9g %.9g\n" % tuple(v) for v in vertices)
-            out.writelines("f %d %d %d\n" % tuple(first + np.array(f)) for f in facets)
+            out.writelines("v {:.9g} {:.9g} {:.9g}\n".format(*v) for v in vertices)
+            out.writelines("f {} {} {}\n".format(*(first + np.array(f))) for f in facets)
             first += len(vertices)
 
 

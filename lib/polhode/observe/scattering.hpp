@@ -9,9 +9,9 @@ namespace polhode {
 /// both are positive: lommel_seeliger mu mu0 / (mu + mu0) + lambert mu mu0. Where both weights are 0 the brightness is
 /// the projected area that is lit and seen, mu.
 ///
-/// `specular` is the part of the Sun's light that flat facets of meshes, a satellite's, throw on like mirrors besides: an
-/// observer to whom a facet shows the Sun's disc sees specular / sin^2(kSunRadius_rad) mu of it, where a white Lambertian
-/// surface has mu mu0.
+/// `specular` is the part of the Sun's light that flat facets of meshes, a satellite's, throw on like mirrors besides:
+/// an observer to whom a facet shows the Sun's disc sees specular / sin^2(kSunRadius_rad) mu of it, where a white
+/// Lambertian surface has mu mu0.
 struct ScatteringLaw {
   double lommel_seeliger = 0.0, lambert = 0.0, specular = 0.0;
 };

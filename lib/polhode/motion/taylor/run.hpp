@@ -320,7 +320,7 @@ class VaryingAround {
   /// The parameter `c` of three.
   void find(int c, const Equations& equations, const Around& around, const ParameterChange& by, const StepStart& start,
             int order, double length) {
-    const auto fill = [&](const auto& changing) {
+    const auto fill = [&]([[maybe_unused]] const auto& changing) {
       const double since = (start.t_high - by.from) + start.t_low;
       const auto set = [&](Varying* out, const double* values, const double* from, double share, int known) {
         for (int n = 0; n < order; ++n) {

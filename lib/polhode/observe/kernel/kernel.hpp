@@ -185,7 +185,7 @@ enum class Law { area, lommel_seeliger, both };
 /// `instants` at a time, so that a facet is read once for all of them.
 template <Law law, int instants>
 void sum_facets(std::size_t first, const Directions& in, const FacetArrays& facets, const LawWeights& weights,
-               const Results& out) {
+                const Results& out) {
   const Lanes zero = all<Lanes>(0.0);
   const Lanes tiny = all<Lanes>(1e-300);  // 0 / tiny where a facet is neither lit nor seen
   Three e[instants], s[instants];

@@ -139,7 +139,7 @@ def surprises(problem, values, active):
     from scipy.stats import chi2
 
     out = []
-    for r, residual, _ in problem.each(values, problem.everything(), derivatives=False):
+    for _, residual, _ in problem.each(values, problem.everything(), derivatives=False):
         squared = np.sum(residual**2, axis=1)
         out.append((squared, chi2.isf(LIKELY, residual.shape[1])))
     return out
@@ -175,7 +175,7 @@ def with_estimated_sigmas(problem, values, active):
         count = sum(int(mask.sum()) * WIDTH[r.kind] for r, mask in zip(problem.rows, active))
         share = max(1 - free / max(count, 1), 1 / max(count, 1))
         changed = False
-        for k, r in enumerate(problem.rows):
+        for k in range(len(problem.rows)):
             if not problem.estimated[k] or not active[k].any():
                 continue
             only = [mask if j == k else np.zeros(len(mask), dtype=bool) for j, mask in enumerate(active)]

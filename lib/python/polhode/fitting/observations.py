@@ -146,14 +146,15 @@ def text_of(path):
 def table_of(path, text):
     """The table in a text, or None where it is none of measurements."""
     known = {*ANGLES, *RATES, "magnitude", "axis_lon_deg", "sigma_angles_deg", "sigma_omega_deg_day"}
-    said, names, rows, lines = {}, None, [], []
+    said, names, delimiter, rows, lines = {}, None, ",", [], []
     for number, line in enumerate(text.splitlines(), 1):
         if line.startswith("#"):
             key, colon, value = line[1:].strip().removeprefix("- ").partition(":")
             if colon and key.strip() in ("sequence", "frame", "axis"):
                 said[key.strip()] = value.strip().strip("'\"")
         elif line.strip():
-            delimiter = "," if "," in (line if names is None else delimiter) else " "
+            if names is None:
+                delimiter = "," if "," in line else " "
             cells = next(csv.reader([line.strip()], delimiter=delimiter, skipinitialspace=True))
             cells = [cell.strip() for cell in cells]
             if names is None:

@@ -106,7 +106,7 @@ class Problem:
         """Residuals in sigmas, of every active row and of what is known beforehand; with derivatives (rows, numbers)."""
         values = np.asarray(values, dtype=float)
         parts, by_parts = [], []
-        for r, residual, by in self.each(values, active, derivatives):
+        for _, residual, by in self.each(values, active, derivatives):
             parts.append(residual.ravel())
             if derivatives:
                 by_parts.append(by.reshape(-1, len(self.numbers)))
