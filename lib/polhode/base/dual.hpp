@@ -17,7 +17,7 @@ struct Dual {
   Partials partials = Partials::Zero();
 
   Dual() = default;
-  Dual(double constant) : value(constant) {}
+  Dual(double constant) : value(constant) {}  // NOLINT(google-explicit-constructor): exact, as for numbers
   Dual(double v, const Partials& p) : value(v), partials(p) {}
   static Dual variable(double v, int number) { return {v, Partials::Unit(number)}; }
 

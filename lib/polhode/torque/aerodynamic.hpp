@@ -111,6 +111,7 @@ class Aerodynamic {
   };
   template <class Real>
   Flow flow_at(const TorquePlace<Real>& place) const {
+    // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): torques with a trajectory are given their orbit
     const Vector3 r = place.orbit->position_m.template cast<double>();
     const Vector3 v = place.orbit->velocity_m_s.template cast<double>() - atmosphere_.turn_rad_s.cross(r);
     const double v2 = v.squaredNorm();

@@ -124,6 +124,7 @@ class Sunlight {
   };
   template <class Real>
   Light light_at(const TorquePlace<Real>& place) const {
+    // NOLINTNEXTLINE(clang-analyzer-core.CallAndMessage): torques with a trajectory are given their orbit
     const Vector3 to_sun_m = -place.orbit->position_m.template cast<double>();
     const double r2 = to_sun_m.squaredNorm();
     Light light{place.inertial_from_body.template cast<double>().transpose() * (to_sun_m / std::sqrt(r2)),
