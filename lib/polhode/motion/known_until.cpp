@@ -71,7 +71,9 @@ double known_until_s(const Body& body, const AttitudeCovariance& covariance, dou
   }
   // The first time, at last by halving.
   double good_s = below_s;
-  for (double t_s = below_s; t_s <= from_s + period_s; t_s += period_s / kLooks) {
+  const double step_s = period_s / kLooks;
+  for (int look = 0; below_s + look * step_s <= from_s + period_s; ++look) {
+    const double t_s = below_s + look * step_s;
     if (covariance.sigma_rad(t_s) >= angle_rad) {
       double bad_s = t_s;
       for (int halving = 0; halving < 30; ++halving) {

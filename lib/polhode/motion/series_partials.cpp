@@ -135,9 +135,10 @@ class SeriesMotion::SeriesPartials final : public Partials {
     const double unit_s = legs.front().equations.unit_s;
     for (int k = 0; k < 3; ++k) {
       const double I = body.principal_moments[k];
-      now[static_cast<std::size_t>(k)].turn_rad[k] = 1.0;
-      now[static_cast<std::size_t>(3 + k)].rate[k] = unit_s / I;
-      now[static_cast<std::size_t>(6 + k)].rate[k] = -body.momentum_body[k] / I / I * unit_s;
+      const auto column = static_cast<std::size_t>(k);
+      now[column].turn_rad[k] = 1.0;
+      now[3 + column].rate[k] = unit_s / I;
+      now[6 + column].rate[k] = -body.momentum_body[k] / I / I * unit_s;
     }
     for (std::size_t l = 0; l < legs.size(); ++l) {
       const Leg& leg = legs[l];

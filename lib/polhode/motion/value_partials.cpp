@@ -195,8 +195,9 @@ class ValueMotion::ValuePartials final : public Partials {
   void run(const Path& path, Way& way) const {
     std::vector<SmallChange> now(columns_);
     for (int k = 0; k < 3; ++k) {
-      now[static_cast<std::size_t>(k)].turn_rad[k] = 1.0;
-      now[static_cast<std::size_t>(3 + k)].momentum[k] = 1.0;
+      const auto column = static_cast<std::size_t>(k);
+      now[column].turn_rad[k] = 1.0;
+      now[3 + column].momentum[k] = 1.0;
     }
     for (std::size_t l = 0; l < path.size(); ++l) {
       const Leg& leg = path[l];

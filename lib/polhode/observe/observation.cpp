@@ -56,7 +56,7 @@ Moments moments_of(double exposure_s, double turned_rad) {
   constexpr double turn_of_a_part = 0.2, most_parts = 1e4;
   const double parts = std::clamp(std::ceil(turned_rad / turn_of_a_part), 1.0, most_parts);
   Moments out;
-  for (double part = 0.0; part < parts; part += 1.0) {
+  for (int part = 0; part < parts; ++part) {
     for (std::size_t k = 0; k < 4; ++k) {
       out.offsets_s.push_back(exposure_s * ((part + 0.5 + 0.5 * kPlaces[k]) / parts - 0.5));
       out.weights.push_back(0.5 * kWeights[k] / parts);

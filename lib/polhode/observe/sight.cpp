@@ -82,11 +82,13 @@ class Viewing::Surroundings {
   mutable std::optional<EarthAndSun> known_;
 };
 
+Vector3 Viewing::sun_m(Instant instant, const Surroundings& surroundings) const {
+  return std::holds_alternative<TheSun>(sun_) ? surroundings.sun_m(instant) : position_m(sun_, instant, surroundings);
+}
+
 Vector3 Viewing::position_m(const Place& place, Instant instant, const Surroundings& surroundings) const {
   if (std::holds_alternative<TheGeocentre>(place)) return surroundings.earth_m(instant);
-  if (std::holds_alternative<TheSun>(place)) {
-    return std::holds_alternative<TheSun>(sun_) ? surroundings.sun_m(instant) : position_m(sun_, instant, surroundings);
-  }
+  if (std::holds_alternative<TheSun>(place)) return sun_m(instant, surroundings);
   if (const auto* const site = std::get_if<Site>(&place)) {
     return surroundings.earth_m(instant) + site_from_geocentre_m(*site, instant);
   }
@@ -96,7 +98,7 @@ Vector3 Viewing::position_m(const Place& place, Instant instant, const Surroundi
   const Vector3 position = q_icrf_from(way.frame) * way.trajectory.state(t.high + t.low).position_m;
   switch (centre_of_name(way.centre)) {
     case Centre::sun:
-      return position + position_m(TheSun{}, instant, surroundings);
+      return position + sun_m(instant, surroundings);
     case Centre::earth:
       return position + surroundings.earth_m(instant);
     case Centre::barycentre:

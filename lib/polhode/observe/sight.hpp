@@ -36,6 +36,7 @@ class Viewing {
  private:
   class Surroundings;
   Vector3 position_m(const Place& place, Instant instant, const Surroundings& surroundings) const;
+  Vector3 sun_m(Instant instant, const Surroundings& surroundings) const;
 
   Place target_, observer_, sun_;
 };

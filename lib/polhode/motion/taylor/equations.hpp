@@ -61,7 +61,7 @@ struct Equations : BodyNumbers {
 
 /// The equations of a body under torques in principal axes. fixed_axes() are those that its torques from outside are
 /// given along: of the orbit, if all depends on one, else of the inertial frame.
-Equations equations_of(const Eigen::Matrix<long double, 3, 1>& moments, const Torques& torques, double unit_s);
+Equations equations_of(const Eigen::Matrix<long double, 3, 1>& I, const Torques& torques, double unit_s);
 Eigen::Matrix<long double, 3, 3> fixed_axes(const Torques& torques);
 /// Whether all torques have series.
 bool have_series(const Torques& torques);
