@@ -36,7 +36,7 @@ def test_bodies():
     body, t = polhode.read(TOUTATIS), np.linspace(0, 1e7, 100)
     for other in copies(body):
         assert np.array_equal(other.motion()(t).q, body.motion()(t).q)
-        assert other.phase_horizon("10 deg") == body.phase_horizon("10 deg")
+        assert other.known_until("10 deg") == body.known_until("10 deg")
     for inertia, instant in zip(copies(body.inertia), copies(body.epoch), strict=True):
         assert np.array_equal(inertia.tensor, body.inertia.tensor) and instant == body.epoch
 

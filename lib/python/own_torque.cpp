@@ -54,7 +54,7 @@ std::uintptr_t address_of_numba(const nb::object& function) {
 
 /// Of a LowLevelCallable of scipy: its first element is a capsule that is named by the signature.
 std::uintptr_t address_of_capsule(const nb::object& callable) {
-  const nb::object capsule = callable[0];
+  const nb::object capsule = nb::borrow(PyTuple_GetItem(callable.ptr(), 0));  // its own [] refuses
   const char* name = PyCapsule_GetName(capsule.ptr());
   std::string signature = name == nullptr ? "" : name;
   std::erase(signature, ' ');

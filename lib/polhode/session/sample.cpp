@@ -350,8 +350,9 @@ void write_sample_statistics(const std::string& path, const SampleState& state) 
                                   bool is_size) {
     const std::vector<std::string> ends = is_size ? std::vector<std::string>{"50", "68", "95", "997"}
                                                   : std::vector<std::string>{"m3s", "m1s", "50", "p1s", "p3s"};
-    std::vector<std::string> names;
-    for (const std::string& end : ends) names.push_back(text + "_" + end);
+    std::vector<std::string> names(ends.size());
+    std::transform(ends.begin(), ends.end(), names.begin(),
+                   [&](const auto& end) { return fmt::format("{}_{}", text, end); });
     table.columns.push_back({column, std::move(names), unit});
   };
   table.columns.push_back({"QMEAN", {"q_x", "q_y", "q_z", "q_scalar"}, ""});

@@ -95,7 +95,8 @@ void Histogram::add(double x) {
     const int within = static_cast<int>((fraction - 0.5) * (2.0 * kSteps));
     step = std::isinf(x) ? kHalf - 1 : std::min(kHalf - 1, (exponent - 1 - kLeast) * kSteps + within);
   }
-  ++counts_[static_cast<std::size_t>(kHalf + (x < 0.0 ? -1 - step : 1 + step))];
+  const int place = kHalf + (x < 0.0 ? -1 - step : 1 + step);
+  ++counts_[static_cast<std::size_t>(place)];
 }
 
 void Histogram::add(const Histogram& other) {

@@ -72,7 +72,7 @@ def epoch_partials(motion, at, t):
                 gap = moments[b] - moments[a]
                 turn[axis] = -principal[a, b] / np.copysign(max(abs(gap), LEAST_SEPARATION * moments[2] / 2), gap)
         out[:, :, 6 + column] = (
-            partials[:, :, 3:6] @ (change @ at.omega) + partials[:, :, 6:] @ np.diag(principal) + by_axes @ (axes @ turn)
+            partials[:, :, 3:6] @ (change @ at.omega) + partials[:, :, 6:9] @ np.diag(principal) + by_axes @ (axes @ turn)
         )
         out[:, 3:, 6 + column] -= state.omega @ change  # the momentum at t less what of it is not the rate
     out[:, 3:] = np.linalg.solve(at.tensor, out[:, 3:])
