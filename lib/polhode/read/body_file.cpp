@@ -70,6 +70,7 @@ Quaternion read_attitude(const TomlTable& table, Body& body, UncertainNumbers& n
     const Vector3 angles = table.vector3(form);
     warn_of_degrees(table, form, angles.cwiseAbs().maxCoeff(), unit, body);
     std::vector<EpochChange> changes;
+    changes.reserve(3);
     for (int k = 0; k < 3; ++k) {
       changes.push_back(of_turn(omega_body_rad_s(sequence, unit_rad * angles, unit_rad * Vector3::Unit(k))));
     }

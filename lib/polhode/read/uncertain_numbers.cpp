@@ -53,8 +53,9 @@ void UncertainNumbers::add_symmetric(const TomlTable& table, std::string_view ke
   auto change = changes.begin();
   for (int i = 0; i < 3; ++i) {
     for (int k = i; k < 3; ++k) {
-      std::vector<TomlTable::Place> both{places[static_cast<std::size_t>(3 * i + k)]};
-      if (k != i) both.push_back(places[static_cast<std::size_t>(3 * k + i)]);
+      const int place = 3 * i + k, other = 3 * k + i;
+      std::vector<TomlTable::Place> both{places[static_cast<std::size_t>(place)]};
+      if (k != i) both.push_back(places[static_cast<std::size_t>(other)]);
       numbers_.push_back({{fmt::format("{}.{}{}", key, "xyz"[i], "xyz"[k]), values(i, k), *change++},
                           std::move(both),
                           checked_sigma(table, sigma, sigmas(i, k))});
