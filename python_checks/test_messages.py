@@ -130,7 +130,7 @@ def test_scenes_and_bodies_point_to_each_other(tmp_path):
 @pytest.mark.parametrize(
     "line, message",
     [
-        ("[inertia]\naxis_ratios = [3, 2, 1]", "moments, products, products_are, tensor, unit"),
+        ("[inertia]\naxis_ratios = [3, 2, 1]", "moments, products, tensor, products_are, unit"),
         ("[inertia]\naxis_ratios = [3, 2, 1]", "mesh, semi_axes"),
         ("[state.attitude]\nsequence = ZXZ", 'ZXZ is text, which stands in quotes: "ZXZ"'),
         ("[state]\nepoch = '2000-01-01 TT'\nframe = 'FK5'", "'FK5' is not a frame for a state; allowed: ICRF"),
