@@ -89,6 +89,21 @@ def test_gzip_is_fits_inside(tmp_path):
         assert len(file["ATTITUDE"].data) == ROWS
 
 
+@pytest.fixture
+def start():
+    """Starts a program; what still runs when the test ends is killed."""
+    started = []
+
+    def one(command, **options):
+        started.append(subprocess.Popen(command, **options))
+        return started[-1]
+
+    yield one
+    for process in started:
+        process.kill()
+        process.communicate()
+
+
 def begun(process, folder, glob=".polhode-*", least_bytes=1):
     """Waits until there are hidden files of that many bytes in all."""
     deadline = time.monotonic() + 60
@@ -104,9 +119,11 @@ def ending_signals():
 
 
 @pytest.mark.parametrize("number", ending_signals())
-def test_a_signal_ends_the_program_and_leaves_nothing(tmp_path, number):
+def test_a_signal_ends_the_program_and_leaves_nothing(tmp_path, start, number):
     command = [PROGRAM, "propagate", TOUTATIS, "-o", tmp_path / "a.csv", "--stop", "+10000 d", "--step", "0.01"]
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True)
+    # The tests themselves may run under nohup, which lets the program inherit an ignored signal.
+    not_ignored = lambda: signal.signal(number, signal.SIG_DFL)
+    process = start(command, stderr=subprocess.PIPE, text=True, preexec_fn=not_ignored)
     begun(process, tmp_path)
     process.send_signal(number)
     _, stderr = process.communicate(timeout=20)
@@ -115,10 +132,10 @@ def test_a_signal_ends_the_program_and_leaves_nothing(tmp_path, number):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_ignored_signals_stay_ignored(tmp_path):
+def test_ignored_signals_stay_ignored(tmp_path, start):
     """As under nohup."""
     out = tmp_path / "a.csv"
-    process = subprocess.Popen(
+    process = start(
         [PROGRAM, "propagate", TOUTATIS, "-o", out, "--stop", "+60 d", "--count", "3000000"],
         stderr=subprocess.DEVNULL,
         preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN),
@@ -130,10 +147,11 @@ def test_ignored_signals_stay_ignored(tmp_path):
 
 
 @pytest.mark.parametrize("times", [1, 2])
-def test_compression_can_be_interrupted(tmp_path, times):
+def test_compression_can_be_interrupted(tmp_path, start, times):
     rows = 2_000_000
     command = [PROGRAM, "propagate", TOUTATIS, "-o", tmp_path / "a.fits.gz", "--stop", "+60 d", "--count", str(rows)]
-    process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+    not_ignored = lambda: signal.signal(signal.SIGINT, signal.SIG_DFL)
+    process = start(command, stderr=subprocess.DEVNULL, preexec_fn=not_ignored)
     begun(process, tmp_path, least_bytes=64 * rows)  # the table is there, its compression begins
     time.sleep(0.1)
     for _ in range(times):
