@@ -11,6 +11,8 @@ maps components from the body to the frame: v_frame = q v_body q*. numpy is need
 asked for in their types.
 """
 
+from typing import TYPE_CHECKING, Any
+
 from ._core import (
     Account,
     AttitudeHistory,
@@ -56,8 +58,10 @@ from ._core import (
 from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
 from ._program import program
-from .fitting import Fit, fit
-from .sampling import sample
+
+if TYPE_CHECKING:
+    from .fitting import Fit, fit
+    from .sampling import sample
 
 __all__ = [
     "Account",
@@ -110,3 +114,20 @@ __all__ = [
     "solve_periods",
     "write",
 ]
+
+_MODULE_OF = {"Fit": "fitting", "fit": "fitting", "sample": "sampling"}
+
+
+def __getattr__(name: str) -> Any:
+    """What most programs do not need is imported when it is asked for."""
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'polhode' has no attribute {name!r}")
+    from importlib import import_module
+
+    found = getattr(import_module(f".{_MODULE_OF[name]}", __name__), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
