@@ -57,7 +57,7 @@ class Page {
   void heading(fmt::format_string<Arguments...> format, Arguments&&... arguments) {
     line(fmt::format(format, std::forward<Arguments>(arguments)...));
   }
-  void row(std::string_view label, std::string_view value) { line(fmt::format("  {:<32}{}", label, value)); }
+  void row(std::string_view label, std::string_view value) { line(fmt::format("  {:<31} {}", label, value)); }
   void gap() { text_.push_back('\n'); }
   std::string_view view() const { return text_; }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -150,7 +151,17 @@ std::vector<KnownDirection> directions_of(const ObserveOptions& options, const W
     throw OptionError("--observer, --site and --sun need a --target: the table's directions are from the geocentre");
   }
   std::vector<KnownDirection> out;
+  constexpr double farthest_au = 1e5;
   for (std::size_t i = 0; i < ra->size(); ++i) {
+    const auto wrong = [&](const char* column, double value, const char* allowed) {
+      return InputError({rows.table->path, rows.table->lines[i]},
+                        fmt::format("column {} holds {:g}; allowed are {}", column, value, allowed));
+    };
+    if (!(std::abs((*ra)[i]) <= 360.0)) throw wrong("ra_deg", (*ra)[i], "-360 to 360 deg");
+    if (!(std::abs((*dec)[i]) <= 90.0)) throw wrong("dec_deg", (*dec)[i], "-90 to 90 deg");
+    if (!((*delta)[i] > 0.0 && (*delta)[i] <= farthest_au)) {
+      throw wrong("delta_au", (*delta)[i], "distances above 0 and up to 1e5 au");
+    }
     out.push_back({(*ra)[i] * degree, (*dec)[i] * degree, (*delta)[i] * astronomical_unit_m});
   }
   return out;
@@ -227,6 +238,15 @@ void observe_body(const ObserveOptions& options) {
   std::vector<ObservedColumn> columns = options.target.empty()
                                             ? observe(moving, directions_of(options, rows), rows.instants, wanted)
                                             : observe(moving, sky_of(options, epoch), rows.instants, wanted);
+  std::ptrdiff_t dark = 0;
+  for (const ObservedColumn& column : columns) {
+    if (column.name == "magnitude") {
+      dark = std::count(column.values.begin(), column.values.end(), std::numeric_limits<double>::infinity());
+    }
+  }
+  if (!std::all_of(rows.instants.begin(), rows.instants.end(), in_range_of_erfa)) {
+    say("note: ERFA's Earth and Sun are known to 13 km from 1900 to 2100; some rows are outside, and less exact");
+  }
   if (body.any_inertia) {
     say("note: of a rotation about one axis the long axis and phi, theta, psi are not known: nan");
     for (ObservedColumn& column : columns) {
@@ -263,6 +283,7 @@ void observe_body(const ObserveOptions& options) {
                      lower_case(options.output).ends_with(".ecsv"));
   say(fmt::format("{}: {} rows", options.output == "-" ? "standard output" : options.output, table.dates.size()));
   if (wanted.photometry) say("brightness of " + wanted.photometry->shape->description() + ", law " + options.law);
+  if (dark > 0) say(fmt::format("note: in {} rows nothing is both lit and seen: the magnitude is inf", dark));
   const auto [first, last] = std::minmax_element(rows.instants.begin(), rows.instants.end());
   const double farthest_s = std::max(std::abs((*first - epoch).high), std::abs((*last - epoch).high));
   if (const auto caution = worth_text(body, farthest_s)) say("caution: " + *caution);

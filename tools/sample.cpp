@@ -117,6 +117,8 @@ SampleState watched_state(const Sample& sample, SamplePart part, const std::stri
     }
     if (begun.next > begun.part.first) say(fmt::format("{}: {} clones are there", path, begun.next - begun.part.first));
     state = std::move(begun);
+  } else {
+    write_part(path, state);  // what cannot be written is said now, not when all is done
   }
   const std::uint64_t before = state.next;
   write_watched(

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <cmath>
 #include <memory>
 #include <vector>
 
@@ -104,6 +105,9 @@ void bind_uncertainty(nb::module_& m) {
       .def(
           "known_until",
           [](const BodyObject& self, const Given<PlaneAngle>& angle) {
+            if (!(angle->rad > 0.0 && std::isfinite(angle->rad))) {
+              throw InputError(fmt::format("the angle is {} rad; a positive one is wanted", angle->rad));
+            }
             return known_until_s(self.body(), AttitudeCovariance(self.body()), angle->rad);
           },
           "angle"_a,

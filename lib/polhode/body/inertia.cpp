@@ -52,7 +52,10 @@ Matrix3 nearest_right_handed(const Matrix3& axes, const std::array<int, 3>& orde
   return best + Matrix3::Zero();  // no negative zeros
 }
 
-void check_triangle(const Vector3& moments) {
+}  // namespace
+
+void check_triangle(const Vector3& principal_moments) {
+  const Vector3& moments = principal_moments;
   if (moments[2] - moments[1] > moments[0] + triangle_tolerance * moments[2]) {
     throw InputError(
         fmt::format("impossible inertia: principal moments {:.9g}, {:.9g}, {:.9g}; no moment can exceed the sum of the "
@@ -60,8 +63,6 @@ void check_triangle(const Vector3& moments) {
                     moments[0], moments[1], moments[2], triangle_tolerance));
   }
 }
-
-}  // namespace
 
 void check_principal_moments(const Vector3& principal_moments) {
   const Vector3& I = principal_moments;

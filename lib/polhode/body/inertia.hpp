@@ -29,6 +29,9 @@ inline constexpr double kGreatestMomentRatio = 1e100;
 
 /// Throws InputError unless the moments are positive, ascending, and within these limits.
 void check_principal_moments(const Vector3& principal_moments);
+/// Throws InputError unless they are those of a body: ascending, none larger than the two others together, but for
+/// roundings.
+void check_triangle(const Vector3& principal_moments);
 
 /// Throws InputError unless the angular momentum is 0 or of a length within the limits.
 void check_angular_momentum(const Vector3& momentum);

@@ -43,12 +43,14 @@ const GaussRule& gauss_rule() {
 class Ellipsoid final : public Shape {
  public:
   explicit Ellipsoid(const Vector3& semi_axes_m) : axes_m_(semi_axes_m), volume_(semi_axes_m.prod()) {
-    if (!(semi_axes_m.array() > 0.0).all() || !semi_axes_m.allFinite() || !(volume_ > 0.0) || !std::isfinite(volume_)) {
+    if (!((semi_axes_m.array() >= 1e-6).all() && (semi_axes_m.array() <= 1e12).all())) {
       throw InputError(
-          fmt::format("the semi-axes of the ellipsoid are {:g}, {:g}, {:g} m; three positive numbers are wanted",
+          fmt::format("the semi-axes of the ellipsoid are {:g}, {:g}, {:g} m; three numbers from 1e-6 to 1e12 m are "
+                      "wanted",
                       semi_axes_m[0], semi_axes_m[1], semi_axes_m[2]));
     }
     map_ = axes_m_.cwiseInverse().asDiagonal();
+    radius_m_ = axes_m_.maxCoeff();
   }
 
   void shine(std::size_t count, const brightness::Directions& mapped, const ScatteringLaw& law,

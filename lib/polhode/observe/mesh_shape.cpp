@@ -47,6 +47,9 @@ class MeshSurface final : public Shape {
     double size = 0.0;
     for (const Vector3& vertex : mesh_.vertices) size = std::max(size, (vertex - mesh_.vertices[0]).norm());
     const double margin = 1e-9 * size;
+    Eigen::AlignedBox3d box;
+    for (const Vector3& vertex : mesh_.vertices) box.extend(vertex);
+    radius_m_ = 0.5 * box.diagonal().norm();
     for (std::uint32_t i = 0; i < mesh_.facets.size(); ++i) {
       const auto& corners = mesh_.facets[i];
       const Vector3 &a = mesh_.vertices[corners[0]], &b = mesh_.vertices[corners[1]], &c = mesh_.vertices[corners[2]];

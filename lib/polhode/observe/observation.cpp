@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <string_view>
 
 #include "polhode/base/error.hpp"
@@ -193,6 +194,10 @@ class Observer {
         const Sight& sight = work.sights[i];
         // Distances in au, and the phase function, in the light of a body that is then 1 au from both.
         const double range = sight.observer_from_target_m.norm() / astronomical_unit_m;
+        if (range * astronomical_unit_m <= photometry.shape->radius_m()) {
+          throw InputError(fmt::format("the observer is {:.6g} m from the middle of the body, which is {:.6g} m large",
+                                       range * astronomical_unit_m, photometry.shape->radius_m()));
+        }
         const double sun = sight.sun_from_target_m.norm() / astronomical_unit_m;
         const double phase =
             std::holds_alternative<std::monostate>(photometry.phase)
@@ -204,6 +209,11 @@ class Observer {
     }
     for (std::size_t i = 0; i < count; ++i) {
       magnitude[first + i] = zero_ - 2.5 * std::log10(light[i]);
+      if (!(magnitude[first + i] > -std::numeric_limits<double>::infinity())) {
+        throw ComputationError(fmt::format("the magnitude of row {} is {}: shape, distance and law leave the range of "
+                                           "numbers",
+                                           first + i + 1, magnitude[first + i]));
+      }
       area_m2[first + i] = area[i];
     }
   }
@@ -257,6 +267,14 @@ std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const 
                                     const ObservationOptions& options) {
   if (!(options.exposure_s >= 0.0 && std::isfinite(options.exposure_s))) {
     throw InputError(fmt::format("the exposure lasts {} s; 0 or more is wanted", options.exposure_s));
+  }
+  if (options.photometry) {
+    constexpr double largest = 100.0;
+    const double absolute = options.photometry->absolute_magnitude.value_or(0.0);
+    if (!(std::abs(absolute) <= largest)) {
+      throw InputError(fmt::format("the absolute magnitude is {}; -100 to 100 are allowed", absolute));
+    }
+    check(options.photometry->phase);
   }
   std::vector<ObservedColumn> columns;
   for (const std::string& name : observed_columns(options)) {

@@ -52,7 +52,9 @@ struct ObservedColumn {
 /// What an observer sees at instants of reception, in any order: `sight_of` gives the sight at each of them, also of
 /// those within an exposure if there is one. The state is that at emission. An exposure sums the light over its span,
 /// by Gauss's quadrature with 4 points at least for each 0.2 rad that the body turns; the geometry is that of its
-/// middle. Throws InputError where the motion or a trajectory does not hold an instant.
+/// middle. Throws InputError where the motion or a trajectory does not hold an instant, for what check() of a phase
+/// function refuses, an absolute magnitude beyond +-100, and an observer within the body; ComputationError for a
+/// magnitude that is no number. A body of which nothing is both lit and seen has the magnitude +infinity.
 std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const Instant> receptions,
                                     const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
                                     const ObservationOptions& options);

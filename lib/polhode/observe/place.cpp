@@ -13,6 +13,12 @@
 
 namespace polhode {
 
+bool in_range_of_erfa(Instant instant) {
+  constexpr int first_mjd = 15020, last_mjd = 88069;  // 1900-01-01, 2100-01-01
+  const int day = static_cast<int>(modified_julian_date(instant, TimeScale::tdb).day);
+  return first_mjd <= day && day < last_mjd;
+}
+
 EarthAndSun earth_and_sun(Instant instant) {
   constexpr double au_m = ERFA_DAU;
   const ModifiedJulianDate tdb = modified_julian_date(instant, TimeScale::tdb);

@@ -18,6 +18,8 @@ struct EarthAndSun {
   Vector3 earth_m, sun_m, sun_velocity_m_s;
 };
 EarthAndSun earth_and_sun(Instant instant);
+/// Whether an instant lies within these years.
+bool in_range_of_erfa(Instant instant);
 
 /// The origin of a trajectory, by its name in any case of letters: what it is relative to the barycentre is known for
 /// the barycentre ("SSB", "SOLAR SYSTEM BARYCENTER"), "SUN" and "EARTH"; of every other name it is not.

@@ -22,8 +22,9 @@ ScatteringLaw scattering_law(std::string_view name, double lambert_weight) {
   if (name == "lambert") return {0.0, 1.0, 0.0};
   if (name == "lommel-seeliger") return {1.0, 0.0, 0.0};
   if (name == "lommel-seeliger-lambert") {
-    if (!(lambert_weight > 0.0 && std::isfinite(lambert_weight))) {
-      throw InputError(fmt::format("the weight of Lambert's law is {}; a positive number is wanted", lambert_weight));
+    if (!(lambert_weight > 0.0 && lambert_weight <= 1e6)) {
+      throw InputError(
+          fmt::format("the weight of Lambert's law is {}; a positive number up to 1e6 is wanted", lambert_weight));
     }
     return {1.0, lambert_weight, 0.0};
   }
@@ -92,6 +93,27 @@ double hg1g2(const HG1G2Phase& phase, double phase_rad) {
   const double second = straight ? 1.0 - 1.8 * phase_rad / std::numbers::pi : on_curve(phi_2, angle_deg);
   const double sum = phase.g1 * first + phase.g2 * second + (1.0 - phase.g1 - phase.g2) * on_curve(phi_3, angle_deg);
   return sum > 0.0 ? sum : 0.0;
+}
+
+void check(const PhaseFunction& function) {
+  constexpr double most_mag = 500.0;
+  if (const auto* const polynomial = std::get_if<PolynomialPhase>(&function)) {
+    const double sum = 180.0 * (std::abs(polynomial->linear_mag_deg) + 180.0 * std::abs(polynomial->square_mag_deg2));
+    if (!(sum <= most_mag)) {
+      throw InputError(
+          fmt::format("the phase function {} mag/deg and {} mag/deg2 changes by more than {} mag in 180 deg",
+                      polynomial->linear_mag_deg, polynomial->square_mag_deg2, most_mag));
+    }
+  }
+  if (const auto* const curve = std::get_if<HG1G2Phase>(&function)) {
+    for (const double part : {curve->g1, curve->g2, 1.0 - curve->g1 - curve->g2}) {
+      if (!(part >= -0.5 && part <= 1.5)) {
+        throw InputError(fmt::format(
+            "G1 = {} and G2 = {}: they and 1 - G1 - G2 are parts of three phase curves; each is allowed from -0.5 to 1.5",
+            curve->g1, curve->g2));
+      }
+    }
+  }
 }
 
 double phase_magnitude(const PhaseFunction& function, const ScatteringLaw& law, double phase_rad) {

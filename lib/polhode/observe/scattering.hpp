@@ -21,7 +21,7 @@ inline constexpr double kSunRadius_rad = 4.6524e-3;
 
 /// "projected-area", "lambert", "lommel-seeliger", or "lommel-seeliger-lambert": Lommel-Seeliger's law and
 /// `lambert_weight` of Lambert's (Kaasalainen, Torppa & Muinonen 2001, Icarus 153, 37: 0.1). Throws InputError with
-/// what is allowed, and for a weight that is negative, not finite, or 0.
+/// what is allowed, and for a weight that is not above 0 and at most 1e6.
 ScatteringLaw scattering_law(std::string_view name, double lambert_weight = 0.1);
 
 /// "projected-area, lambert, …"
@@ -46,6 +46,10 @@ using PhaseFunction = std::variant<std::monostate, PolynomialPhase, HG1G2Phase>;
 /// The phase curve G1 Phi1 + G2 Phi2 + (1 - G1 - G2) Phi3, 1 at phase 0. 0 where Phi1 and Phi2 are not known, from 150
 /// deg on, and where the parameters make it negative.
 double hg1g2(const HG1G2Phase& phase, double phase_rad);
+
+/// Throws InputError for parameters that are not finite, for G1, G2 or 1 - G1 - G2 outside -0.5 to 1.5, and for a
+/// polynomial that adds more than 500 magnitudes somewhere.
+void check(const PhaseFunction& function);
 
 /// What the phase function adds to -2.5 log10(brightness), in magnitudes.
 double phase_magnitude(const PhaseFunction& function, const ScatteringLaw& law, double phase_rad);

@@ -26,6 +26,9 @@ class Shape {
   /// The brightness at phase 0, mean of all directions: what the absolute magnitude H belongs to.
   virtual double mean_at_opposition_m2(const ScatteringLaw& law) const = 0;
 
+  /// Of a ball about the origin of the named axes, or about its middle where its origin does not matter, that holds it.
+  double radius_m() const { return radius_m_; }
+
   /// What it is and how it is computed, for people.
   virtual std::string description() const = 0;
 
@@ -38,12 +41,13 @@ class Shape {
  protected:
   Shape() = default;
   Matrix3 map_ = Matrix3::Identity();
+  double radius_m_ = 0.0;
 };
 
 /// An ellipsoid with these semi-axes along the named x, y and z. The area, and the brightness by Lommel and Seeliger's
 /// law, are closed forms (Ostro & Connelly 1984, Icarus 57, 443; Muinonen & Lumme 2015, A&A 584, A23); Lambert's law is
 /// integrated by Gauss's quadrature with 24 x 24 points over what is lit and seen: within 1e-9 for axes up to 3 : 1.
-/// Nothing of it is a mirror. Throws InputError for semi-axes that are not positive and finite.
+/// Nothing of it is a mirror. Throws InputError for semi-axes outside 1e-6 to 1e12 m.
 std::shared_ptr<const Shape> ellipsoid_shape(const Vector3& semi_axes_m);
 
 /// The solid that a mesh bounds, coordinates times `unit_m`; its origin does not matter. Facets are flat and shine as

@@ -37,7 +37,7 @@ CentredTrajectory parse_elements(std::string_view text, const std::string& path,
   table.allow_only({"name", "source", "centre", "mu_m3_s2", "frame", "epoch", "eccentricity", "semi_major_axis_au",
                     "periapsis_au", "inclination_deg", "node_deg", "periapsis_deg", "mean_anomaly_deg",
                     "periapsis_date"});
-  const std::string centre = table.optional_text("centre").value_or("SUN");
+  const std::string centre = table.optional_text("centre").value_or(request.centre.empty() ? "SUN" : request.centre);
   KeplerElements elements;
   const bool about_sun = upper_case(centre) == "SUN";
   elements.mu_m3_s2 = about_sun && !table.has("mu_m3_s2") ? sun_mu_m3_s2 : table.positive_number("mu_m3_s2");
@@ -46,6 +46,7 @@ CentredTrajectory parse_elements(std::string_view text, const std::string& path,
   const double length_m = au_m * table.number(size);
   elements.periapsis_m = size == "periapsis_au" ? length_m : length_m * (1.0 - elements.eccentricity);
   if (!(elements.eccentricity >= 0.0)) throw table.error("eccentricity", "it must be 0 or more");
+  if (!(std::abs(length_m) <= 1e6 * au_m)) throw table.error(size, "it must be a distance up to 1e6 au");
   if (!(elements.periapsis_m > 0.0)) {
     throw table.error(size,
                       "the distance of the periapsis must be positive: a semi-major axis is positive below the "
@@ -60,7 +61,7 @@ CentredTrajectory parse_elements(std::string_view text, const std::string& path,
     elements.periapsis_time_s = (date("periapsis_date") - request.zero).high;
   } else {
     const double axis_m = elements.periapsis_m / std::abs(1.0 - elements.eccentricity);
-    if (!std::isfinite(axis_m)) {
+    if (elements.eccentricity == 1.0) {
       throw table.error("mean_anomaly_deg", "a parabola has no mean anomaly; periapsis_date is wanted");
     }
     const double motion_rad_s = std::sqrt(elements.mu_m3_s2 / axis_m) / axis_m;

@@ -121,17 +121,17 @@ class HorizonsReader {
         read_frame(value);
       }
     }
-    if (kind.empty() || position_m_ == 0.0 || names.empty() || centre_.empty()) {
+    if (kind.empty() || position_m_ == 0.0 || names.empty() || centre_.empty() || !frame_) {
       throw InputError(
           {path_, 0},
           "is no vector table of Horizons: before $$SOE it has not all of 'Center body name', 'Output units', "
-          "'Output type' and the line of names that begins with JD (Ephemeris Type: Vector Table)");
+          "'Output type', 'Reference frame' and the line of names that begins with JD (Ephemeris Type: Vector Table)");
     }
     const std::string scale = upper_case(names.substr(2, names.find_first_of(", ", 2) - 2));
     scale_ = located(here(), [&] { return time_scale(scale == "UT" ? std::string_view("UTC") : scale); });
     csv_ = names.find(',') != std::string_view::npos;
     if (csv_) split_cells(names, true, names_);
-    q_wanted_from_table_ = q_icrf_from(request_.frame).conjugate() * q_icrf_from(frame_);
+    q_wanted_from_table_ = q_icrf_from(request_.frame).conjugate() * q_icrf_from(*frame_);
   }
 
   void read_units(std::string_view value) {
@@ -146,9 +146,10 @@ class HorizonsReader {
 
   void read_frame(std::string_view value) {
     const std::string name = upper_case(value);
-    if (name.starts_with("ECLIPTIC")) {
+    const bool of_1950 = name.find("1950") != std::string::npos;
+    if (!of_1950 && name.starts_with("ECLIPTIC")) {
       frame_ = Frame::ecliptic_j2000;
-    } else if (name.starts_with("ICRF") || name.starts_with("EARTH MEAN EQUATOR")) {
+    } else if (!of_1950 && (name.starts_with("ICRF") || name.starts_with("EARTH MEAN EQUATOR"))) {
       frame_ = Frame::icrf;
     } else {
       throw InputError(here(), fmt::format("the frame is '{:.60}'; ICRF and the ecliptic of J2000 are read", value));
@@ -239,7 +240,7 @@ class HorizonsReader {
   std::size_t line_ = 0;
   std::string centre_;
   std::vector<std::string> names_;
-  Frame frame_ = Frame::icrf;
+  std::optional<Frame> frame_;
   TimeScale scale_ = TimeScale::tdb;
   char format_ = '3';
   bool csv_ = false, with_velocity_ = false;

@@ -8,9 +8,11 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/body/inertia.hpp"
 #include "polhode/ephemeris/time_grid.hpp"
 #include "polhode/read/date_column.hpp"
 #include "polhode/read/fits_table.hpp"
+#include "polhode/read/range.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/read/text_table.hpp"
 #include "polhode/write/document.hpp"
@@ -37,7 +39,7 @@ std::array<std::size_t, count> columns_of(const TextTable& table, const std::arr
   return columns;
 }
 
-/// What a table may hold of a row: states that FreeBodies takes, in its words.
+/// What a table may hold of a row: states that FreeBodies takes, of bodies that are possible.
 void check_row(const Population& population) {
   const std::size_t i = population.size() - 1;
   const Vector3 moments(&population.moments[3 * i]), rates(&population.rates[3 * i]);
@@ -46,6 +48,8 @@ void check_row(const Population& population) {
   body.q_inertial_from_body = from_scalar_first(Eigen::Vector4d(&population.q[4 * i]));
   body.momentum_body = moments.cwiseProduct(rates);
   checked(body);
+  check_triangle(moments);
+  check_range_of_rate(rates);
 }
 
 Population population_of_text(std::string_view text, const std::string& path, std::optional<Instant> epoch) {

@@ -119,7 +119,7 @@ std::uint64_t digest(std::string_view text) {
 
 std::uint64_t whole_of(std::string_view text) {
   const auto value = parse_integer(text);
-  if (!value || *value < 0) throw InputError(fmt::format("is no part of a sample: '{:.40}' is no number", text));
+  if (!value || *value < 0) throw InputError(fmt::format("is no part of a sample: '{}' is no number", plain_text(text.substr(0, 40))));
   return static_cast<std::uint64_t>(*value);
 }
 
@@ -250,7 +250,7 @@ void continue_sample(const Sample& sample, SampleState& state, unsigned thread_c
 
 std::string SampleState::text() const {
   std::string out = fmt::format(
-      "polhode sample 1\nidentity {}\nobject {}\nframe {}\nscale {}\nseed {}\ncount {}\n"
+      "polhode sample 2\nidentity {}\nobject {}\nframe {}\nscale {}\nseed {}\ncount {}\n"
       "reference_mjd {}\npart {} {} {}\ntimes {}\n",
       identity, object, frame, scale, seed, count, reference_mjd, part.first, part.last, next, dates.size());
   for (std::size_t j = 0; j < dates.size(); ++j) {
@@ -261,6 +261,7 @@ std::string SampleState::text() const {
                        static_cast<int>(p.mode), p.polhode_period_s, p.long_axis_precession_period_s);
     out += text_of(at[j]);
   }
+  out += fmt::format("digest {:016x}\n", digest(out));
   return out + "end\n";
 }
 
@@ -273,7 +274,7 @@ SampleState SampleState::of_text(const std::string& text) {
     return std::string(trimmed(line));
   };
   SampleState state;
-  if (take("polhode") != "sample 1") throw InputError("is no part of a sample that this program knows");
+  if (take("polhode") != "sample 2") throw InputError("is no part of a sample that this program knows");
   state.identity = take("identity");
   state.object = take("object");
   state.frame = take("frame");
@@ -299,7 +300,11 @@ SampleState SampleState::of_text(const std::string& text) {
                                static_cast<CloneState::Mode>(std::clamp(static_cast<int>(n[10]), 0, 2)), n[11], n[12]});
     state.at.push_back(take_clones(rest));
   }
-  if (take_line(rest) != "end") throw InputError("is no whole part of a sample");
+  const std::string_view until_here = std::string_view(text).substr(0, text.size() - rest.size());
+  if (take("digest") != fmt::format("{:016x}", digest(until_here))) {
+    throw InputError("is no part of a sample, or a broken one: its digest is that of another text");
+  }
+  if (rest != "end\n") throw InputError("is no whole part of a sample");
   return state;
 }
 
@@ -402,18 +407,26 @@ void write_sample_statistics(const std::string& path, const SampleState& state) 
           const Eigen::Vector4d q = scalar_first(clones.mean_attitude());
           for (const int k : {1, 2, 3, 0}) *to++ = q[k];
           *to++ = kDegreesPerRad * clones.attitude_spread_rad();
-          for (const double part : sizes) *to++ = kDegreesPerRad * clones.attitude_angle.quantile(part);
+          // A quantile may end at the border of a step of its histogram, beyond the most that there can be.
+          const auto angle_deg = [](const Histogram& angles, double part) {
+            const double deg = kDegreesPerRad * angles.quantile(part);
+            return deg > 180.0 ? 180.0 : deg;
+          };
+          for (const double part : sizes) *to++ = angle_deg(clones.attitude_angle, part);
           const Vector3 mean = clones.mean_direction();
           const Direction direction = mean.isZero(0.0) ? Direction{} : direction_of(mean);
           *to++ = kDegreesPerRad * direction.longitude_rad;
           *to++ = kDegreesPerRad * direction.latitude_rad;
           *to++ = kDegreesPerRad * clones.direction_spread_rad();
-          for (const double part : sizes) *to++ = kDegreesPerRad * clones.direction_angle.quantile(part);
+          for (const double part : sizes) *to++ = angle_deg(clones.direction_angle, part);
           for (const std::uint64_t mode : clones.modes) {
             *to++ = static_cast<double>(mode) / static_cast<double>(clones.count);
           }
           for (const Histogram* histogram : {&clones.rate, &clones.polhode_period, &clones.precession_period}) {
-            for (const double part : signed_parts) *to++ = histogram->quantile(part);
+            for (const double part : signed_parts) {
+              const double deviation = histogram->quantile(part);
+              *to++ = deviation < -1.0 ? -1.0 : deviation;
+            }
           }
         }
       },

@@ -18,7 +18,7 @@ namespace {
 constexpr double kUnit = 0x1p62;
 
 InputError broken_part(const std::string& what) {
-  return InputError("is no part of a sample, or a broken one: " + what);
+  return InputError("is no part of a sample, or a broken one: " + plain_text(what));
 }
 
 std::uint64_t unsigned_of(std::string_view text) {
@@ -123,6 +123,7 @@ double Histogram::quantile(double part) const {
     const int place = static_cast<int>(i) - kHalf;
     if (place == 0) return 0.0;
     const int step = std::abs(place) - 1;
+    if (step == kHalf - 1) return std::copysign(std::numeric_limits<double>::infinity(), place);
     const double within = std::clamp((wanted - below) / here, 0.0, 1.0);
     const double low = border(step), high = border(step + 1);
     return place > 0 ? low + within * (high - low) : -(high - within * (high - low));
@@ -142,7 +143,9 @@ void ClonesAtTime::add(const CloneState& clone, const CloneState& published) {
   for (std::size_t k = 0; k < 3; ++k) direction[k].add(unit[static_cast<Eigen::Index>(k)]);
   attitude_angle.add(rotation_angle_rad(published.q_inertial_from_named, clone.q_inertial_from_named));
   const Vector3 from = published.momentum_inertial.stableNormalized();
-  direction_angle.add(std::atan2(from.cross(unit).norm(), from.dot(unit)));
+  if (!from.isZero(0.0) && !unit.isZero(0.0)) {
+    direction_angle.add(std::atan2(from.cross(unit).norm(), from.dot(unit)));
+  }
   rate.add(clone.rate_rad_s / published.rate_rad_s - 1.0);
   polhode_period.add(clone.polhode_period_s / published.polhode_period_s - 1.0);
   precession_period.add(clone.long_axis_precession_period_s / published.long_axis_precession_period_s - 1.0);

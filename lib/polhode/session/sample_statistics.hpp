@@ -35,7 +35,7 @@ class Histogram {
   void add(double x);  ///< what is NaN is left out
   void add(const Histogram& other);
   std::uint64_t total() const;
-  /// The number below which this part of them lies; NaN if there are none.
+  /// The number below which this part of them lies; NaN if there are none, infinite beyond 2^12.
   double quantile(double part) const;
 
   const std::vector<std::uint64_t>& counts() const { return counts_; }

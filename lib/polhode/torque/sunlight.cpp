@@ -27,6 +27,14 @@ void Sunlight::check() const {
     throw InputError(
         fmt::format("the radius of what eclipses the Sun is {} m, a positive number is wanted", ball_radius_m_));
   }
+  if (second_trajectory && *second_trajectory == trajectory) {
+    throw InputError("what eclipses the Sun has the orbit of the Sun itself");
+  }
+  if (second_trajectory && !(ball_radius_m_ < second_trajectory->least_distance_m())) {
+    throw InputError(fmt::format("what eclipses the Sun has the radius {:g} m, and the body comes within {:g} m of its "
+                                 "centre",
+                                 ball_radius_m_, second_trajectory->least_distance_m()));
+  }
 }
 
 double Sunlight::pressure_pa(double r2) {

@@ -65,7 +65,7 @@ class Sunlight {
     return {facets, table.orbit().trajectory, std::move(eclipsing)};
   }
 
-  /// Throws InputError for a radius that is not positive.
+  /// Throws InputError for a radius that is not positive or reaches to the body, and for an eclipse by the Sun itself.
   void check() const;
   Sunlight turned(const Matrix3& to_from) const {
     Sunlight other = *this;

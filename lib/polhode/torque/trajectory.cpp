@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "polhode/base/error.hpp"
 
@@ -150,6 +151,15 @@ TabulatedOrbit::Piece TabulatedOrbit::piece(double t_s, bool forward) const {
 const OrbitTable& TabulatedOrbit::table_at(double t_s) const {
   return *std::find_if(tables_.rbegin(), tables_.rend() - 1,
                        [t_s](const OrbitTable& table) { return table.first_s() <= t_s; });
+}
+
+double Trajectory::least_distance_m() const {
+  if (const KeplerOrbit* const kepler = orbit()) return kepler->elements().periapsis_m;
+  double least_m = std::numeric_limits<double>::infinity();
+  for (const OrbitTable& one : table()->tables()) {
+    for (const Vector3& position_m : one.positions_m) least_m = std::min(least_m, position_m.norm());
+  }
+  return least_m;
 }
 
 template <class Real>

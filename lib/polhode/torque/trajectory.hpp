@@ -73,6 +73,8 @@ class Trajectory {
   OrbitState<Real> state(Real t_s) const {
     return std::visit([t_s](const auto& orbit) { return orbit->state(t_s); }, orbit_);
   }
+  /// From the mass to the periapsis, or to the nearest point of a table.
+  double least_distance_m() const;
   /// The same orbit, not only one like it.
   bool operator==(const Trajectory&) const = default;
   /// Null for a table.

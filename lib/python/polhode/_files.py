@@ -40,6 +40,8 @@ def run(main):
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # what standard output did not take is not tried again
         end(3, f"{error.filename or 'standard output'}: {error.strerror or error}")
+    except MemoryError:
+        end(1, "there is not enough memory for what is asked")
     except KeyboardInterrupt:
         sys.exit(128 + signal.SIGINT)
 

@@ -23,6 +23,7 @@ MOMENTUM_LENGTH = 1.7
 LEAST_SEMI_AXIS = 0.02  # of a flat body, which would not be seen from its edge
 FPS = 25
 FRAMES_PER_TURN_AT_LEAST = 24
+MOST_FRAMES = 20_000
 FORMATS = (".mp4", ".gif", ".glb", ".gltf")
 
 
@@ -48,8 +49,8 @@ class Film:
 
 def film(what, mesh=None, turns=3, count=250):
     """`what` as polhode.plot.body takes it; `mesh`, in the body's named axes, as a Mesh or its file."""
-    if count < 2:
-        raise InputError(f"{count} frames are no film; 2 or more are wanted")
+    if not 2 <= count <= MOST_FRAMES:
+        raise InputError(f"{count} frames, by the turns and seconds; a film has 2 to {MOST_FRAMES}")
     rows = plot.rows_of(what, turns, count)
     time_s, q, momentum = rows.time_s, rows.q, rows.momentum
     if len(q) != count or not np.allclose(np.diff(time_s), time_s[-1] / (count - 1)):  # of a file, with rows of its own

@@ -14,7 +14,7 @@ from ._errors import InputError
 
 NIGHT, SKY_TEXT = "#0b0e13", "#c9ced6"
 LONG_AXIS, MOMENTUM, SUN = "#e8a33d", "#5fb3e6", "#f2e58f"
-LENGTHS_M = {"m": 1.0, "km": 1e3, "cm": 1e-2, "mm": 1e-3}
+LENGTH_UNITS = ("m", "km", "cm", "mm", "au")
 MOST_INSTANTS = 48
 DARK = 0.13  # of what is seen and not lit
 
@@ -52,16 +52,24 @@ def surface(shape, unit=None):
     """Vertices and facets of what Motion.observe takes as a shape; of a length that does not matter."""
     if isinstance(shape, Mesh):
         return shape.vertices, shape.facets
-    if not isinstance(shape, str):
-        return ellipsoid(np.asarray(shape, float))
-    words = shape.replace(",", " ").split()
-    if len(words) == 4 and words[3] in LENGTHS_M:
-        try:
-            return ellipsoid(np.array([float(word) for word in words[:3]]))
-        except ValueError:
-            pass
-    mesh = read_mesh(shape)
-    return mesh.vertices, mesh.facets
+    axes = np.asarray(shape, float) if not isinstance(shape, str) else semi_axes(shape)
+    if axes is None:
+        mesh = read_mesh(shape)
+        return mesh.vertices, mesh.facets
+    if axes.shape != (3,) or not ((axes > 0) & (axes < np.inf)).all():
+        raise InputError(f"the semi-axes of the ellipsoid are {shape}; three positive numbers are wanted")
+    return ellipsoid(axes / axes.max())
+
+
+def semi_axes(text):
+    """Those that "A B C unit" names; None if it is no such text but the name of a file."""
+    words = text.replace(",", " ").split()
+    if len(words) != 4 or words[3] not in LENGTH_UNITS:
+        return None
+    try:
+        return np.array([float(word) for word in words[:3]])
+    except ValueError:
+        return None
 
 
 def direction(longitude_deg, latitude_deg):
