@@ -1,4 +1,6 @@
 // The extension module polhode._core: the library for Python. What users see is named in polhode/__init__.py.
+#include <typeinfo>
+
 #include "polhode/base/error.hpp"
 #include "polhode/write/document.hpp"
 #include "python/python.hpp"
@@ -20,6 +22,8 @@ void translate(const std::exception_ptr& problem, void*) {
     PyErr_SetString(type("FileError").ptr(), error.what());
   } catch (const ComputationError& error) {
     PyErr_SetString(type("ComputationError").ptr(), error.what());
+  } catch (const std::bad_cast&) {
+    PyErr_SetString(type("InputError").ptr(), "an argument is of a type that is not taken here; help() says which are");
   }
 }
 
@@ -29,6 +33,7 @@ void translate(const std::exception_ptr& problem, void*) {
 NB_MODULE(_core, m) {
   using namespace polhode::python;
   nanobind::register_exception_translator(translate);
+  nanobind::set_leak_warnings(false);  // what Python does not clear at its end, as functions in torques, is no fault
   m.attr("version") = polhode::creator().substr(polhode::creator().find(' ') + 1);
   bind_time(m);
   bind_body(m);

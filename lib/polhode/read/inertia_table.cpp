@@ -142,7 +142,6 @@ Inertia read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundi
                    {"moments", "products", "tensor"});
   const std::string_view form = table.one_of({"moments", "tensor", "mesh", "semi_axes"});
   const InertiaUnit unit = table.parsed("unit", inertia_unit);
-  const bool axes_named = table.has("long_axis") || table.has("intermediate_axis") || table.has("short_axis");
   Matrix3 tensor;
   bool diagonal = false;
   if (form == "tensor") {
@@ -176,9 +175,10 @@ Inertia read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundi
     tensor = inertia_tensor(table.vector3("moments"), products, sign);
     add_inertia_numbers(table, unit.factor, sign == ProductsOfInertia::tensor_elements ? 1.0 : -1.0, around.numbers);
   }
-  if (axes_named && !diagonal && !around.is_clone) {
-    throw table.error(table.one_of({"long_axis", "intermediate_axis", "short_axis"}),
-                      "only moments without products belong to axes that can be named so");
+  for (const std::string_view key : {"long_axis", "intermediate_axis", "short_axis"}) {
+    if (table.has(key) && !diagonal && !around.is_clone) {
+      throw table.error(key, "only axes without products of inertia have these names; leave them away");
+    }
   }
   const Inertia inertia =
       table.located(form, [&] { return inertia_from_tensor(Matrix3(unit.factor * tensor), unit.absolute); });

@@ -390,7 +390,7 @@ void write_sample_statistics(const std::string& path, const SampleState& state) 
   table.comments = {
       "QMEAN, passive from frame A to the body, scalar last, is the attitude with the least mean square of "
       "sin(angle/2); "
-      "SPREAD is 2 asin of the root of that mean. LDIR, LSPREAD: the same of the direction of the angular momentum.",
+      "SPREAD is 2 asin of the root of that mean. LDIR, LSPREAD: the same of the direction of the angular momentum, in ICRF.",
       "ANGLE, LANGLE: below which 50, 68.27, 95.45, 99.73 per cent of the clones lie from the published body's.",
       "RATE, PPSI, PPHI: quantiles at -3, -1, 0, 1, 3 normal sigmas of value over published value, less 1, of the "
       "rate, "
@@ -413,7 +413,7 @@ void write_sample_statistics(const std::string& path, const SampleState& state) 
             return deg > 180.0 ? 180.0 : deg;
           };
           for (const double part : sizes) *to++ = angle_deg(clones.attitude_angle, part);
-          const Vector3 mean = clones.mean_direction();
+          const Vector3 mean = q_icrf_from(frame(state.frame)) * clones.mean_direction();
           const Direction direction = mean.isZero(0.0) ? Direction{} : direction_of(mean);
           *to++ = kDegreesPerRad * direction.longitude_rad;
           *to++ = kDegreesPerRad * direction.latitude_rad;

@@ -14,14 +14,14 @@ import numpy as np
 import spiceypy
 
 from . import _files
-from ._core import Instant, Orbit
+from ._core import Instant, Orbit, frame_rotation
 from ._errors import FileError, InputError
 
 # SPICE's TDB, from its leap-seconds kernels: ET = TT + K sin(M + EB sin M), M = M0 + M1 t.
 DELTET_K, DELTET_EB, DELTET_M0, DELTET_M1 = 1.657e-3, 1.671e-2, 6.239996, 1.99096871e-7
 
 OBLIQUITY_RAD = np.radians(84381.448 / 3600)  # of ECLIPJ2000: J2000 turned about x
-SPICE_FRAMES = {"ICRF": "J2000", "GCRF": "J2000", "ECLIPJ2000": "ECLIPJ2000"}
+SPICE_FRAMES = {"ICRF": "J2000", "GCRF": "J2000", "EME2000": "J2000", "ECLIPJ2000": "ECLIPJ2000"}
 HERMITE_ROWS = 6  # of a window: degree 11
 CHEBYSHEV_DEGREE = 15
 LONGEST_NAME = 17  # FRAME_<name>_AXES_PCK is a variable, of 32 characters at most
@@ -54,11 +54,18 @@ class Rows:
         return 0.5 * np.concatenate([-np.sum(v * w, axis=1, keepdims=True), s * w + np.cross(v, w)], axis=1)
 
 
+def turned_by(a, q):
+    """The product of a quaternion and those of an array (n, 4), scalar first."""
+    s, v = a[0], np.asarray(a[1:])
+    vectors = s * q[:, 1:] + q[:, :1] * v + np.cross(v, q[:, 1:])
+    return np.concatenate([s * q[:, :1] - q[:, 1:] @ v[:, None], vectors], axis=1)
+
+
 def read_rows(path):
     ephemeris = _files.read_ephemeris(path)
     frame = ephemeris.text("REFFRAMA")
     if frame not in SPICE_FRAMES:
-        raise InputError(f"{path}: SPICE has no frame {frame}; write the FITS in the frame ICRF or ECLIPJ2000")
+        raise InputError(f"{path}: SPICE has no frame {frame}; write the FITS in the frame ICRF, EME2000 or ECLIPJ2000")
     if len(ephemeris.q) < 2:
         raise InputError(f"{path} has one row; kernels need two or more")
     # TT seconds from J2000 in two parts, so that nothing is lost on the way.
@@ -68,11 +75,14 @@ def read_rows(path):
     anomaly = DELTET_M0 + DELTET_M1 * coarse
     et = days * 86400 + (tt.jd2 * 86400 + DELTET_K * np.sin(anomaly + DELTET_EB * np.sin(anomaly)))
     step = np.diff(et)
+    q = ephemeris.q
+    if frame == "EME2000":  # what SPICE calls J2000 is ICRF, 0.02 arcsec away
+        q = turned_by(frame_rotation(frame, "ICRF"), q)
     return Rows(
         object=re.sub(r"[^ -~]", "?", ephemeris.text("OBJECT")),
         frame=SPICE_FRAMES[frame],
         et=et,
-        q=ephemeris.q,
+        q=q,
         omega_body=ephemeris.omega_body,
         uniform=len(et) >= HERMITE_ROWS and bool(np.all(np.abs(step - step.mean()) < 1e-4)),
     )

@@ -368,7 +368,8 @@ class Parameters:
         tables = self.replaced(values)
         if source:
             tables["source"] = source
-        if self.axis_names and np.array_equal(np.argsort(tables["inertia"]["moments"]), np.argsort(self.tables["inertia"]["moments"])):
+        without_products = not any(tables["inertia"].get("products", ()))  # axes that are no principal ones have no names
+        if self.axis_names and without_products and np.array_equal(np.argsort(tables["inertia"]["moments"]), np.argsort(self.tables["inertia"]["moments"])):
             tables["inertia"] |= self.axis_names
         tables = {key: tables[key] for key in ("name", "id", "source") if key in tables} | tables
         if covariance is not None:
