@@ -12,10 +12,6 @@ using values::Unknowns;
 constexpr double kRoundings = 5e-15;
 constexpr double kAside = 1e-5;  // of states on either side: a turn, or of the momentum
 
-struct SmallChange {
-  Vector3 turn_rad = Vector3::Zero(), momentum = Vector3::Zero();
-};
-
 Quaternion turned(const Vector3& turn_rad) {
   const double angle = turn_rad.norm(), half = angle > 0.0 ? std::sin(0.5 * angle) / angle : 0.5;
   return {std::cos(0.5 * angle), half * turn_rad[0], half * turn_rad[1], half * turn_rad[2]};
@@ -101,6 +97,9 @@ class ValueMotion::ValuePartials final : public Partials {
   }
 
  private:
+  struct SmallChange {
+    Vector3 turn_rad = Vector3::Zero(), momentum = Vector3::Zero();
+  };
   struct Side {
     std::shared_ptr<const Leg> leg;
     const Vector3* moments;

@@ -156,7 +156,7 @@ const OrbitTable& TabulatedOrbit::table_at(double t_s) const {
 double Trajectory::least_distance_m() const {
   if (const KeplerOrbit* const kepler = orbit()) return kepler->elements().periapsis_m;
   double least_m = std::numeric_limits<double>::infinity();
-  for (const OrbitTable& one : table()->tables()) {
+  for (const OrbitTable& one : std::get<1>(orbit_)->tables()) {
     for (const Vector3& position_m : one.positions_m) least_m = std::min(least_m, position_m.norm());
   }
   return least_m;
