@@ -132,6 +132,7 @@ def test_of_an_ephemeris_and_of_a_mesh(tmp_path):
         ((TOUTATIS, "-o", "a.avi"), ".mp4, .gif, .glb or .gltf"),
         (("nothing.toml",), "there is no file nothing.toml"),
         ((TOUTATIS, "-o", "a.gif", "--seconds", "0"), "positive"),
+        ((TOUTATIS, "-o", "a.glb", "--turns", "1e9"), "a film has 2 to"),
     ],
 )
 def test_what_cannot_be_is_one_line(arguments, said):

@@ -251,5 +251,14 @@ def test_the_command_writes_what_it_found(tmp_path):
     assert (tmp_path / "residuals.png").read_bytes()[:4] == b"\x89PNG"
     written = (tmp_path / "fitted.toml").read_text()
     assert 'name = "my body"' in written and "moments_sigma" in written and "[uncertainty]" in written
+    # Of a body whose file names its axes, products that are found leave these names out; the program reads what it wrote.
+    named = tmp_path / "named.toml"
+    named.write_text(
+        'name = "named"\n[inertia]\nmoments = [0.5, 0.8, 1.0]\nproducts = [0.0, 0.0, 0.0]\nproducts_are = "tensor elements"\nunit = "ratios"\nlong_axis = "x"\nshort_axis = "z"\n'
+        f'[state]\nepoch = "{history.epoch.text("TDB", 6)} TDB"\nframe = "ICRF"\n[state.attitude]\nq_frame_from_body_scalar_first = {history.segments[0].q[0].tolist()}\n'
+        '[state.angular_velocity]\ncomponents = [0.5, 0.3, 0.6]\naxes = "body"\nunit = "rad/s"\n'
+    )
+    run("fit", named, tmp_path / "table.csv", "-o", tmp_path / "again.toml")
+    assert "P_phi" in run("info", tmp_path / "again.toml").stdout and "long_axis" not in (tmp_path / "again.toml").read_text()
     refused = run("fit", "my body", TOUTATIS, "-o", tmp_path / "x.toml", check=False)
     assert refused.returncode == 2 and "found no measurements" in refused.stderr

@@ -341,6 +341,8 @@ def test_tables_of_horizons(tmp_path, frame, csv, units):
         (("BODY CENTER", "Greenwich"), "site"),
         (("$$EOE", ""), "EOE"),
         (("ICRF", "FK4/B1950"), "frame"),
+        (("ICRF", "Ecliptic of B1950.0"), "frame"),
+        (("Reference frame : ICRF", ""), "Reference frame"),
         (("X =", "X = a"), "number"),
         (("1992-Dec-07", "1992-Foo-07"), "date"),
     ],
@@ -350,6 +352,56 @@ def test_tables_of_horizons_that_are_refused(tmp_path, change, word):
     path.write_text(horizons("ICRF", False).replace(*change))
     result = run("observe", TOUTATIS, "--target", path, "-o", "-", "--start", "1992-12-05 TDB", "--count", 1, check=False)
     assert result.returncode == 2 and word in result.stderr and str(path) in result.stderr, result.stderr
+
+
+ONE_ROW = ("-o", "-", "--start", "1992-12-08 TDB", "--count", 1)
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        (("-H", "nan"), "absolute magnitude"),
+        (("-H", "1e308"), "absolute magnitude"),
+        (("--hg1g2", "nan", "0"), "G1 = nan"),
+        (("--hg1g2", "-1", "0"), "G1 = -1"),
+        (("--phase-polynomial", "1e308", "1e308"), "phase function"),
+        (("--law", "lommel-seeliger-lambert", "--lambert-weight", "1e300"), "1e+300"),
+        (("--shape", "1e-150 1 1 m"), "semi-axes"),
+        (("--shape", "1 1 1 au"), "the observer is"),
+    ],
+)
+def test_a_brightness_that_is_no_number_is_refused(options, said):
+    shape = () if "--shape" in options else ("--shape", ELLIPSOID)
+    result = run("observe", TOUTATIS, "--target", WAY, *ONE_ROW, *shape, *options, check=False)
+    assert result.returncode == 2 and said in result.stderr and result.stdout == "", result.stderr
+
+
+@pytest.mark.parametrize("cells", [("10", "120", "0.03"), ("1e20", "0", "0.03"), ("10", "0", "-0.03"), ("10", "0", "1e300")])
+def test_a_table_of_directions_names_its_line(tmp_path, cells):
+    table = tmp_path / "points.csv"
+    table.write_text("date_utc,ra_deg,dec_deg,delta_au\n1992-12-08,10,0,0.03\n1992-12-09," + ",".join(cells) + "\n")
+    result = run("observe", TOUTATIS, "--times", table, "-o", "-", check=False)
+    assert result.returncode == 2 and f"{table}:3: column " in result.stderr and "allowed are" in result.stderr, result.stderr
+
+
+def test_an_orbit_is_about_its_centre(tmp_path):
+    path = tmp_path / "leo.toml"
+    elements = 'epoch = "1992-12-01 TDB"\neccentricity = 0.0\nsemi_major_axis_au = 4.67e-5\nmu_m3_s2 = 3.986e14\ninclination_deg = 0.5\n'
+    path.write_text(elements + "node_deg = 128.0\nperiapsis_deg = 274.0\nmean_anomaly_deg = 350.0\n")
+    motion = polhode.read(TOUTATIS).motion()
+    assert motion.observe("1992-12-01 TDB", path, centre="Earth")["range_m"] == pytest.approx(4.67e-5 * AU, rel=1e-6)
+    about_earth = polhode.Orbit.kepler(3.986e14, 7e6, 0.0, 0.0, [1, 0, 0], [0, 0, 1])
+    assert motion.observe("1992-12-01 TDB", about_earth, centre="Earth")["range_m"] == pytest.approx(7e6, rel=1e-9)
+    with pytest.raises(InputError, match="not the Sun's"):
+        motion.observe("1992-12-01 TDB", about_earth)
+
+
+def test_earth_and_sun_far_from_now_are_said_to_be_less_exact(tmp_path):
+    path = tmp_path / "orbit.toml"
+    path.write_text('epoch = "1992-12-01 TDB"\neccentricity = 0.1\nsemi_major_axis_au = 2.5\ninclination_deg = 0.5\nnode_deg = 1.0\nperiapsis_deg = 2.0\nmean_anomaly_deg = 3.0\n')
+    for date, noted in (("2099-12-31 TDB", False), ("2100-01-02 TDB", True), ("1899-12-30 TDB", True)):
+        said = run("observe", TOUTATIS, "--target", path, "-o", "-", "--start", date, "--count", 1).stderr
+        assert ("from 1900 to 2100" in said) == noted, said
 
 
 def test_orbital_elements(tmp_path):

@@ -1,5 +1,7 @@
 """polhode population: a table of bodies to their states, against the motion of each."""
 
+import re
+
 import numpy as np
 import pytest
 from astropy.io import fits
@@ -92,6 +94,8 @@ def test_every_format_holds_the_same(tmp_path, bodies):
         (lambda text: text.replace("I1,", "J1,"), "no column I1"),
         (lambda text: text.replace("\n1.", "\n9.", 1), "bodies.csv:2: the principal moments are"),
         (lambda text: text.replace(",", ",x", 14), "bodies.csv:"),
+        (lambda text: re.sub(r"\n[^,]*,[^,]*,[^,]*", "\n1,2,3.5", text, count=1), "bodies.csv:2: impossible inertia"),
+        (lambda text: re.sub(r"(\n.*),[^,\n]*\n", r"\1,1e300\n", text, count=1), "bodies.csv:2: the angular velocity is 1e+300 rad/s"),
     ],
 )
 def test_what_is_refused_is_named_by_its_line(tmp_path, bodies, change, message):

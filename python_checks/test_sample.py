@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from astropy.io import fits
+from astropy.table import Table
 from support import PROGRAM, ROOT, run
 
 BODY = """name = "tumbler"
@@ -205,3 +206,44 @@ def test_what_is_refused(tmp_path, body, options, message):
 def test_exact_bodies_have_no_clones(tmp_path):
     result = run("sample", ROOT / "data/bodies/t-handle.toml", "--count", 5, "--times", TIMES, "-o", tmp_path / "out.csv", check=False)
     assert result.returncode == 2 and "uncertain" in result.stderr
+
+
+def test_a_broken_part_is_refused(tmp_path, body):
+    part = sample(body, tmp_path / "1.part", "--part", "1/1", count=200)
+    whole = part.read_bytes()
+    random = np.random.default_rng(3)
+    broken = [whole + b"\n", whole[:-1]]
+    for place in random.integers(0, len(whole), 40):
+        broken.append(whole[:place] + bytes([whole[place] ^ (1 << int(random.integers(0, 7)))]) + whole[place + 1 :])
+    for one in broken:
+        part.write_bytes(one)
+        result = run("sample", "--join", part, "-o", tmp_path / "a.csv", check=False)
+        assert result.returncode == 2 and result.stderr.count("\n") == 1, result.stderr
+    part.write_bytes(whole)
+    join([part], tmp_path / "a.csv")
+
+
+def test_what_has_no_bound_is_infinite_and_angles_end_at_180_deg(tmp_path):
+    path = tmp_path / "resting.toml"
+    at_rest = BODY.replace("components = [14.51, 33.529, -98.709]", "components = [0.0, 0.0, 0.0]").replace("[3.762, 2.388, 2.586]", "[100.0, 100.0, 100.0]")
+    path.write_text(at_rest)
+    row = Table.read(sample(path, tmp_path / "a.ecsv", count=2000), format="ascii.ecsv")[0]
+    assert np.isinf(row["rate_deviation_50"]) and np.isnan(row["momentum_angle_deg_50"])
+    assert 170 < row["attitude_angle_deg_997"] <= 180
+
+
+def test_the_momentum_is_in_icrf(tmp_path, body):
+    import polhode
+
+    seen = [Table.read(sample(body, tmp_path / f"{frame}.ecsv", "--frame", frame), format="ascii.ecsv") for frame in ("ICRF", "ECLIPJ2000")]
+    momentum = polhode.read(body).momentum("ICRF")
+    ra, dec = np.degrees([np.arctan2(momentum[1], momentum[0]) % (2 * np.pi), np.arcsin(momentum[2] / np.linalg.norm(momentum))])
+    for table in seen:
+        assert np.allclose(table["momentum_ra_deg"], ra, atol=2) and np.allclose(table["momentum_dec_deg"], dec, atol=2)
+    assert np.allclose(seen[0]["momentum_ra_deg"], seen[1]["momentum_ra_deg"], atol=1e-9)
+
+
+def test_a_folder_that_is_not_there_is_said_at_once(tmp_path, body):
+    begun = time.monotonic()
+    result = run("sample", body, "--count", 10**9, "--seed", 1, "--times", TIMES, "-o", tmp_path / "no/a.csv", check=False)
+    assert result.returncode == 3 and "no folder" in result.stderr and time.monotonic() - begun < 5, result.stderr

@@ -196,6 +196,17 @@ def test_every_time_scale_over_a_leap_second(tmp_path, scale):
     spiceypy.kclear()
 
 
+def test_eme2000_is_turned_to_icrf(tmp_path, loaded):
+    """It is 0.02 arcsec from the axes that SPICE calls J2000."""
+    table, et = loaded
+    spiceypy.kclear()
+    fits = propagate(TOUTATIS, tmp_path / "eme.fits", "--stop", "+40 d", "--step", "1 h", "--frame", "EME2000")
+    kernels(fits, tmp_path)
+    spiceypy.furnsh(str(tmp_path / "toutatis.tm"))
+    k = slice(1, len(et) - 1, 50)
+    assert_within([turned(spiceypy.pxform("J2000", "TOUTATIS_AXES", t), row) for t, row in zip(et[k], table[k])], AT_ROWS_RAD)
+
+
 @pytest.mark.parametrize("scale", ["ET", "GPS", "UT1", None])
 def test_time_scales_that_readers_take_differently_are_refused(tmp_path, folder, scale):
     with fits_file.open(folder / "toutatis.fits") as file:

@@ -264,3 +264,9 @@ def test_covariance_under_torques_is_that_of_clones(tmp_path):
     for t, one in zip(np.array([1.0, 3.0, 5.5]) * DAY, sigma):
         apart = (down(t).rotation.inv() * up(t).rotation).magnitude() / 2e-4 * 1e-3
         assert abs(apart / one - 1.0) < 0.02
+
+
+@pytest.mark.parametrize("angle", [float("nan"), 0.0, -1.0, "0 deg", float("inf")])
+def test_an_angle_that_is_none_has_no_horizon(angle):
+    with pytest.raises(polhode.InputError, match="a positive one is wanted"):
+        polhode.read(TOUTATIS).known_until(angle)

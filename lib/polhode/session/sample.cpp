@@ -339,7 +339,7 @@ SampleState joined(std::vector<SampleState> parts) {
 
 void write_sample_statistics(const std::string& path, const SampleState& state) {
   using Kind = NumberColumn::Kind;
-  constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
+  static constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
   static constexpr double sizes[] = {0.5, 0.682689492137086, 0.954499736103642, 0.997300203936740};
   static constexpr double signed_parts[] = {0.00134989803163, 0.158655253931457, 0.5, 0.841344746068543,
                                             0.99865010196837};

@@ -11,6 +11,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/write/document.hpp"
 
 namespace polhode {
 namespace {
