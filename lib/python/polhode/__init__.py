@@ -57,7 +57,7 @@ from ._core import version as __version__
 from ._errors import ComputationError, Error, FileError, InputError
 from ._program import program
 from .fitting import Fit, fit
-from .sampling import sample
+from .sampling import sample, sample_rows
 
 __all__ = [
     "Account",
@@ -106,6 +106,7 @@ __all__ = [
     "read_case",
     "read_mesh",
     "sample",
+    "sample_rows",
     "set_leap_seconds",
     "solve_periods",
     "write",
