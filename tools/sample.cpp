@@ -206,9 +206,9 @@ void add_sample(CLI::App& app) {
   command->add_flag("--rows", options->rows, "Every clone as rows, not statistics");
   command->add_flag("--join", options->join, "The statistics of all parts of a sample");
   command
-      ->add_option(
-          "--uniform", options->uniform,
-          "NAME=WIDTH: a number with an uncertainty is drawn evenly from this width about its value, as psi0=360 of a phase that nobody knows")
+      ->add_option("--uniform", options->uniform,
+                   "NAME=WIDTH: a number with an uncertainty is drawn evenly from this width about its value, as "
+                   "psi0=360 of a phase that nobody knows")
       ->allow_extra_args(false);
   command->add_option("--frame", options->frame, "Inertial frame of the attitudes; of a scene its own")
       ->capture_default_str();

@@ -21,8 +21,9 @@ Place place_of(const nb::object& what, const ObserveArguments& arguments, const 
     const KeplerOrbit* const orbit = way.orbit();
     if (orbit != nullptr && centre_of_name(arguments.centre) == Centre::sun &&
         std::abs(orbit->elements().mu_m3_s2 / sun_mu_m3_s2 - 1.0) > same) {
-      throw InputError(fmt::format("the orbit has mu = {:g} m3/s2, which is not the Sun's; `centre` names what it is about",
-                                   orbit->elements().mu_m3_s2));
+      throw InputError(
+          fmt::format("the orbit has mu = {:g} m3/s2, which is not the Sun's; `centre` names what it is about",
+                      orbit->elements().mu_m3_s2));
     }
     return KnownWay{way, moving.frame, epoch, arguments.centre, {}};
   }

@@ -92,7 +92,7 @@ TEST_F(SampleOfTop, PartsAndThreadsGiveTheSameBits) {
 }
 
 TEST_F(SampleOfTop, GoesOnWhereItWasStopped) {
-  const Sample what = sample(200'000, kTwoDates, kOnePartIn1e6);
+  const Sample what = sample(500'000, kTwoDates, kOnePartIn1e6);
   SampleState state = empty_state(what, {0, what.count});
   std::string saved;
   struct Stop {};

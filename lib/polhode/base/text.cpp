@@ -77,6 +77,12 @@ bool contains_word(std::string_view words, std::string_view word) {
   return false;
 }
 
+std::uint64_t text_digest(std::string_view text) {
+  std::uint64_t hash = 0xcbf29ce484222325U;
+  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
+  return hash;
+}
+
 std::string_view take_line(std::string_view& text) {
   const auto end = static_cast<std::size_t>(std::find_if(text.begin(), text.end(), ends_line) - text.begin());
   const std::string_view line = text.substr(0, end);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -31,6 +32,9 @@ std::vector<std::string_view> split_words(std::string_view text);
 
 /// Whether `word` is one of the words between white space.
 bool contains_word(std::string_view words, std::string_view word);
+
+/// FNV-1a: whether two texts are the same; nobody is kept from making others that look so.
+std::uint64_t text_digest(std::string_view text);
 
 /// Takes the next line off `text`, without its end (LF, CR LF or CR).
 std::string_view take_line(std::string_view& text);

@@ -210,9 +210,10 @@ class Observer {
     for (std::size_t i = 0; i < count; ++i) {
       magnitude[first + i] = zero_ - 2.5 * std::log10(light[i]);
       if (!(magnitude[first + i] > -std::numeric_limits<double>::infinity())) {
-        throw ComputationError(fmt::format("the magnitude of row {} is {}: shape, distance and law leave the range of "
-                                           "numbers",
-                                           first + i + 1, magnitude[first + i]));
+        throw ComputationError(
+            fmt::format("the magnitude of row {} is {}: shape, distance and law leave the range of "
+                        "numbers",
+                        first + i + 1, magnitude[first + i]));
       }
       area_m2[first + i] = area[i];
     }

@@ -108,9 +108,10 @@ void check(const PhaseFunction& function) {
   if (const auto* const curve = std::get_if<HG1G2Phase>(&function)) {
     for (const double part : {curve->g1, curve->g2, 1.0 - curve->g1 - curve->g2}) {
       if (!(part >= -0.5 && part <= 1.5)) {
-        throw InputError(fmt::format(
-            "G1 = {} and G2 = {}: they and 1 - G1 - G2 are parts of three phase curves; each is allowed from -0.5 to 1.5",
-            curve->g1, curve->g2));
+        throw InputError(
+            fmt::format("G1 = {} and G2 = {}: they and 1 - G1 - G2 are parts of three phase curves; each is allowed "
+                        "from -0.5 to 1.5",
+                        curve->g1, curve->g2));
       }
     }
   }

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <filesystem>
 #include <numbers>
+#include <optional>
+#include <span>
 
 #include "polhode/base/error.hpp"
 #include "polhode/read/mesh_file.hpp"
@@ -54,57 +56,81 @@ void check_axis_names(const TomlTable& table, const Inertia& inertia) {
   }
 }
 
-// A solid of uniform density: its moments per mass, or with `mass_kg` or `density_kg_m3` in kg m2.
-Inertia uniform_solid(const TomlTable& table, std::string_view form, const MassProperties& solid, double unit_m,
-                      UncertainNumbers& numbers) {
-  const bool has_mass = table.has("mass_kg");
-  const bool has_density = table.has("density_kg_m3");
-  if (has_mass && has_density) throw table.error("density_kg_m3", "either mass_kg or density_kg_m3, not both");
-  double factor = unit_m * unit_m / solid.volume;  // of 1 kg
-  if (has_mass || has_density) {
-    const std::string_view key = has_mass ? "mass_kg" : "density_kg_m3";
-    const double value = table.number(key);
-    if (!(value > 0.0)) throw table.error(key, "must be positive");
-    const double per_unit = factor * (has_mass ? 1.0 : solid.volume * unit_m * unit_m * unit_m);
-    numbers.add(table, key, {}, {of_tensor(per_unit * solid.inertia_about_centre)});
-    factor = per_unit * value;
+/// The factor from moments of density 1 to those of the file: per mass, or with `mass_kg` or `density_kg_m3` in kg m2.
+struct SolidFactor {
+  std::optional<std::size_t> place;  ///< of the mass or density
+  bool is_density = false;
+  double unit_m = 1.0;
+
+  double per_unit(double volume) const {
+    return unit_m * unit_m / volume * (is_density ? volume * unit_m * unit_m * unit_m : 1.0);
   }
-  return table.located(
-      form, [&] { return inertia_from_tensor(Matrix3(factor * solid.inertia_about_centre), has_mass || has_density); });
+  Inertia inertia(const MassProperties& solid, std::span<const double> numbers) const {
+    const double factor = per_unit(solid.volume) * (place ? numbers[*place] : 1.0);
+    return inertia_from_tensor(Matrix3(factor * solid.inertia_about_centre), place.has_value());
+  }
+  /// What the mass or density does.
+  void set_changes(const MassProperties& solid, UncertainNumbers& numbers) const {
+    if (place) numbers.set_changes(*place, {of_tensor(per_unit(solid.volume) * solid.inertia_about_centre)});
+  }
+};
+
+SolidFactor read_solid_factor(const TomlTable& table, UncertainNumbers& numbers) {
+  SolidFactor out;
+  const bool has_mass = table.has("mass_kg");
+  out.is_density = table.has("density_kg_m3");
+  if (has_mass && out.is_density) throw table.error("density_kg_m3", "either mass_kg or density_kg_m3, not both");
+  if (has_mass || out.is_density || table.has("length_unit")) out.unit_m = table.parsed("length_unit", length_unit_m);
+  if (has_mass || out.is_density) {
+    const std::string_view key = has_mass ? "mass_kg" : "density_kg_m3";
+    if (!(table.number(key) > 0.0)) throw table.error(key, "must be positive");
+    out.place = numbers.add(table, key);
+  }
+  return out;
 }
 
-/// 1 where nothing depends on the unit.
-double solid_unit_m(const TomlTable& table) {
-  if (!table.has("mass_kg") && !table.has("density_kg_m3") && !table.has("length_unit")) return 1.0;
-  return table.parsed("length_unit", length_unit_m);
-}
-
-Inertia read_mesh_inertia(const TomlTable& table, Body& body, const BodyFileSurroundings& around) {
+void read_mesh_inertia(const TomlTable& table, Body& body, const BodyFileSurroundings& around) {
   table.allow_only({"mesh", "length_unit"}, {"mass_kg", "density_kg_m3"});
   const std::filesystem::path named = table.file_name("mesh");
   const std::string file =
       (named.is_absolute() ? named : std::filesystem::path(around.path).parent_path() / named).string();
-  const double unit_m = solid_unit_m(table);
+  const SolidFactor factor = read_solid_factor(table, around.numbers);
   const TriangleMesh mesh = read_mesh(table.opened("mesh", [&] { return around.content_of(file); }), file);
   const MassProperties solid = table.located("mesh", [&] { return mass_properties(mesh); });
   body.notes.push_back(describe(solid));
-  return uniform_solid(table, "mesh", solid, unit_m, around.numbers);
+  factor.set_changes(solid, around.numbers);
+  table.located("mesh", [&] {
+    around.numbers.make(body, [factor, solid](std::span<const double> numbers, Body& made) {
+      made.inertia = factor.inertia(solid, numbers);
+    });
+  });
 }
 
-Inertia read_ellipsoid_inertia(const TomlTable& table, UncertainNumbers& numbers) {
-  table.allow_only({"length_unit"}, {"semi_axes", "mass_kg", "density_kg_m3"});
-  const Vector3 axes = table.vector3("semi_axes");
-  if (!(axes.minCoeff() > 0.0)) throw table.error("semi_axes", "must be positive");
-  const double unit_m = solid_unit_m(table);
+MassProperties ellipsoid(const Vector3& axes) {
+  if (!(axes.minCoeff() > 0.0)) throw InputError("must be positive");
   const Vector3 squares = axes.cwiseProduct(axes);
   MassProperties solid;
   solid.volume = 4.0 / 3.0 * std::numbers::pi * axes.prod();
   solid.inertia_about_centre =
       Vector3(solid.volume / 5.0 * Vector3(squares[1] + squares[2], squares[0] + squares[2], squares[0] + squares[1]))
           .asDiagonal();
-  const Inertia inertia = uniform_solid(table, "semi_axes", solid, unit_m, numbers);
-  const Matrix3 tensor = inertia_tensor(inertia);
-  const double per_square = tensor.trace() / (2.0 * squares.sum());
+  return solid;
+}
+
+void read_ellipsoid_inertia(const TomlTable& table, Body& body, UncertainNumbers& numbers) {
+  table.allow_only({"length_unit"}, {"semi_axes", "mass_kg", "density_kg_m3"});
+  const Vector3 axes = table.vector3("semi_axes");
+  const MassProperties solid = table.located("semi_axes", [&] { return ellipsoid(axes); });
+  const SolidFactor factor = read_solid_factor(table, numbers);
+  const std::size_t place = numbers.add(table, "semi_axes", {"x", "y", "z"});
+  factor.set_changes(solid, numbers);
+  table.located("semi_axes", [&] {
+    numbers.make(body, [factor, place](std::span<const double> others, Body& made) {
+      made.inertia = factor.inertia(ellipsoid(Vector3(&others[place])), others);
+    });
+  });
+  const Matrix3 tensor = inertia_tensor(*body.inertia);
+  const double per_square = tensor.trace() / (2.0 * axes.squaredNorm());
   std::vector<EpochChange> changes;
   for (int k = 0; k < 3; ++k) {
     Matrix3 change = Matrix3::Zero();
@@ -112,78 +138,94 @@ Inertia read_ellipsoid_inertia(const TomlTable& table, UncertainNumbers& numbers
     if (table.has("density_kg_m3")) change += tensor / axes[k];  // the mass grows
     changes.push_back(of_tensor(change));
   }
-  numbers.add(table, "semi_axes", {"x", "y", "z"}, std::move(changes));
-  return inertia;
+  numbers.set_changes(place, std::move(changes));
 }
 
-/// The numbers of `moments` and `products`, or `tensor`, in a unit.
-void add_inertia_numbers(const TomlTable& table, double unit, double sign_of_products, UncertainNumbers& numbers) {
-  constexpr std::array<std::pair<int, int>, 6> elements{{{0, 0}, {0, 1}, {0, 2}, {1, 1}, {1, 2}, {2, 2}}};
-  std::vector<EpochChange> all, moments, products;
-  for (const auto& [i, k] : elements) {
-    all.push_back(of_tensor(symmetric_unit(i, k, unit)));
-    (i == k ? moments : products).push_back(of_tensor(symmetric_unit(i, k, i == k ? unit : sign_of_products * unit)));
+/// What the elements of a tensor do, in a unit: xx, xy, xz, yy, yz, zz.
+std::vector<EpochChange> changes_of_tensor(double unit) {
+  std::vector<EpochChange> changes;
+  for (int i = 0; i < 3; ++i) {
+    for (int k = i; k < 3; ++k) changes.push_back(of_tensor(symmetric_unit(i, k, unit)));
   }
-  if (table.has("tensor")) {
-    numbers.add_symmetric(table, "tensor", std::move(all));
-    return;
+  return changes;
+}
+
+ProductsOfInertia products_are(const TomlTable& table) {
+  const std::string are = table.text("products_are");
+  if (are == "positive integrals") return ProductsOfInertia::positive_integrals;
+  if (are == "tensor elements") return ProductsOfInertia::tensor_elements;
+  throw table.error("products_are",
+                    fmt::format("'{}' is not a sign convention; allowed: 'tensor elements' (Ixy = -integral of x y "
+                                "dm) or 'positive integrals' (Ixy = +integral of x y dm)",
+                                are));
+}
+
+void read_tensor(const TomlTable& table, const InertiaUnit& unit, Body& body, UncertainNumbers& numbers) {
+  for (const std::string_view key : {"products", "products_are"}) {
+    if (table.has(key)) throw table.error(key, "goes with moments; a tensor has its products in it");
   }
-  numbers.add(table, "moments", {"x", "y", "z"}, std::move(moments));
-  if (table.has("products")) numbers.add(table, "products", {"xy", "xz", "yz"}, std::move(products));
+  const Matrix3 tensor = table.matrix3("tensor");
+  const std::size_t place = numbers.add_symmetric(table, "tensor");
+  if ((tensor - tensor.transpose()).cwiseAbs().maxCoeff() > 1e-12 * tensor.cwiseAbs().maxCoeff()) {
+    throw table.error("tensor", "found a matrix that is not symmetric; a tensor of inertia is");
+  }
+  numbers.set_changes(place, changes_of_tensor(unit.factor));
+  table.located("tensor", [&] {
+    numbers.make(body, [unit, place](std::span<const double> others, Body& made) {
+      const double* const t = &others[place];  // xx, xy, xz, yy, yz, zz
+      Matrix3 full;
+      full << t[0], t[1], t[2], t[1], t[3], t[4], t[2], t[4], t[5];
+      made.inertia = inertia_from_tensor(Matrix3(unit.factor * full), unit.absolute);
+    });
+  });
+}
+
+void read_moments(const TomlTable& table, const InertiaUnit& unit, Body& body, UncertainNumbers& numbers) {
+  const bool has_products = table.has("products");
+  if (!has_products && table.has("products_are")) {
+    throw table.error("products_are", "goes with products, which are not given");
+  }
+  const ProductsOfInertia sign = has_products ? products_are(table) : ProductsOfInertia::tensor_elements;
+  const std::size_t place = numbers.add(table, "moments", {"x", "y", "z"});
+  if (has_products) numbers.add(table, "products", {"xy", "xz", "yz"});
+  std::vector<EpochChange> changes;
+  const double of_products = sign == ProductsOfInertia::tensor_elements ? unit.factor : -unit.factor;
+  for (int k = 0; k < 3; ++k) changes.push_back(of_tensor(symmetric_unit(k, k, unit.factor)));
+  for (int k = 0; has_products && k < 3; ++k) {
+    changes.push_back(of_tensor(symmetric_unit(k / 2, k == 0 ? 1 : 2, of_products)));
+  }
+  numbers.set_changes(place, std::move(changes));
+  table.located("moments", [&] {
+    numbers.make(body, [unit, sign, place, has_products](std::span<const double> others, Body& made) {
+      const Vector3 products = has_products ? Vector3(&others[place + 3]) : Vector3(Vector3::Zero());
+      made.inertia = inertia_from_tensor(Matrix3(unit.factor * inertia_tensor(Vector3(&others[place]), products, sign)),
+                                         unit.absolute);
+    });
+  });
 }
 
 }  // namespace
 
-Inertia read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundings& around) {
+void read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundings& around) {
   if (table.has("mesh")) return read_mesh_inertia(table, body, around);
-  if (table.has("semi_axes")) return read_ellipsoid_inertia(table, around.numbers);
+  if (table.has("semi_axes")) return read_ellipsoid_inertia(table, body, around.numbers);
   // The last two have been asked for: they stand here for the messages.
   table.allow_only({"products_are", "unit", "long_axis", "intermediate_axis", "short_axis", "mesh", "semi_axes"},
                    {"moments", "products", "tensor"});
   const std::string_view form = table.one_of({"moments", "tensor", "mesh", "semi_axes"});
   const InertiaUnit unit = table.parsed("unit", inertia_unit);
-  Matrix3 tensor;
-  bool diagonal = false;
+  const bool diagonal = form == "moments" && (!table.has("products") || table.vector3("products").isZero(0.0));
   if (form == "tensor") {
-    for (const std::string_view key : {"products", "products_are"}) {
-      if (table.has(key)) throw table.error(key, "goes with moments; a tensor has its products in it");
-    }
-    tensor = table.matrix3("tensor");
-    add_inertia_numbers(table, unit.factor, 1.0, around.numbers);
-    if ((tensor - tensor.transpose()).cwiseAbs().maxCoeff() > 1e-12 * tensor.cwiseAbs().maxCoeff()) {
-      throw table.error("tensor", "found a matrix that is not symmetric; a tensor of inertia is");
-    }
+    read_tensor(table, unit, body, around.numbers);
   } else {
-    Vector3 products = Vector3::Zero();
-    ProductsOfInertia sign = ProductsOfInertia::tensor_elements;
-    diagonal = !table.has("products");
-    if (!diagonal) {
-      products = table.vector3("products");
-      diagonal = products.isZero(0.0);
-      const std::string are = table.text("products_are");
-      if (are == "positive integrals") {
-        sign = ProductsOfInertia::positive_integrals;
-      } else if (are != "tensor elements") {
-        throw table.error("products_are",
-                          fmt::format("'{}' is not a sign convention; allowed: 'tensor elements' (Ixy = -integral of x "
-                                      "y dm) or 'positive integrals' (Ixy = +integral of x y dm)",
-                                      are));
-      }
-    } else if (table.has("products_are")) {
-      throw table.error("products_are", "goes with products, which are not given");
-    }
-    tensor = inertia_tensor(table.vector3("moments"), products, sign);
-    add_inertia_numbers(table, unit.factor, sign == ProductsOfInertia::tensor_elements ? 1.0 : -1.0, around.numbers);
+    read_moments(table, unit, body, around.numbers);
   }
   for (const std::string_view key : {"long_axis", "intermediate_axis", "short_axis"}) {
-    if (table.has(key) && !diagonal && !around.is_clone) {
+    if (table.has(key) && !diagonal) {
       throw table.error(key, "only axes without products of inertia have these names; leave them away");
     }
   }
-  const Inertia inertia =
-      table.located(form, [&] { return inertia_from_tensor(Matrix3(unit.factor * tensor), unit.absolute); });
-  if (!around.is_clone) check_axis_names(table, inertia);
-  return inertia;
+  check_axis_names(table, *body.inertia);
 }
 
 }  // namespace polhode

@@ -15,10 +15,9 @@ struct BodyFileSurroundings {
   const ContentOf& content_of;
   UncertainNumbers& numbers;
   bool wants_changes = false;  ///< what numbers do is asked for, where that takes time
-  bool is_clone = false;       ///< with numbers that the file does not have: what it says of them need not hold
 };
 
-/// The table [inertia] of a body file; notes what a mesh is like.
-Inertia read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundings& around);
+/// The table [inertia] of a body file: sets `body.inertia`, and notes what a mesh is like.
+void read_inertia(const TomlTable& table, Body& body, const BodyFileSurroundings& around);
 
 }  // namespace polhode

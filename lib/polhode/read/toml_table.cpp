@@ -23,10 +23,9 @@ struct TomlTable::Node {
   const toml::table* table = nullptr;
   std::string path;
   std::string prefix;  // "state." for messages
-  std::vector<std::pair<Place, double>> replaced = {};
 
   std::shared_ptr<const Node> child(const toml::table& of, const std::string& name) const {
-    return std::make_shared<const Node>(Node{document, &of, path, prefix + name + ".", replaced});
+    return std::make_shared<const Node>(Node{document, &of, path, prefix + name + "."});
   }
 };
 
@@ -161,7 +160,7 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
   refuse_what_breaks_the_parser(text, path);
   try {
     auto document = std::make_shared<const toml::table>(toml::parse(text, path));
-    return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, "", {}}));
+    return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, ""}));
   } catch (const toml::parse_error& problem) {
     const std::size_t line = problem.source().begin.line;
     const std::string_view word = bare_word(text, line);
@@ -265,9 +264,6 @@ struct TomlTable::Element {
 
 double TomlTable::finite_number(std::string_view key, const Element& element) const {
   const toml::node& node = element.node;
-  for (const auto& [place, number] : node_->replaced) {
-    if (place == &node) return number;
-  }
   if (const auto* integer = node.as_integer()) return static_cast<double>(**integer);
   const auto* floating = node.as_floating_point();
   if (floating != nullptr && std::isfinite(**floating)) return **floating;
@@ -341,23 +337,6 @@ std::vector<std::string> TomlTable::texts(std::string_view key) const {
     out.push_back(**element.as_string());
   }
   return out;
-}
-
-std::vector<TomlTable::Place> TomlTable::places(std::string_view key) const {
-  std::vector<Place> found;
-  const auto collect = [&found](const toml::node& node, const auto& self) -> void {
-    if (node.is_number()) found.push_back(&node);
-    if (!node.is_array()) return;
-    for (const toml::node& element : *node.as_array()) self(element, self);
-  };
-  if (const toml::node* value = node_->table->get(key)) collect(*value, collect);
-  return found;
-}
-
-TomlTable TomlTable::replaced(std::vector<std::pair<Place, double>> numbers) const {
-  Node with = *node_;
-  with.replaced = std::move(numbers);
-  return TomlTable(std::make_shared<const Node>(std::move(with)));
 }
 
 TomlTable TomlTable::table(std::string_view key) const {

@@ -55,12 +55,6 @@ class TomlTable {
   /// The elements of an array of tables; none if the key is absent.
   std::vector<TomlTable> tables(std::string_view key) const;
 
-  /// Where the numbers of a key stand in the document, in their order, those of lists in a list too.
-  using Place = const void*;
-  std::vector<Place> places(std::string_view key) const;
-  /// The same table of the same document, in which other numbers stand at these places.
-  TomlTable replaced(std::vector<std::pair<Place, double>> numbers) const;
-
   /// Where a key stands, or the table if it is absent.
   SourceLocation where(std::string_view key) const;
   /// An error about a key's value.

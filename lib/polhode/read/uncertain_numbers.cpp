@@ -22,10 +22,10 @@ double checked_sigma(const TomlTable& table, std::string_view key, double sigma)
 
 }  // namespace
 
-void UncertainNumbers::add(const TomlTable& table, std::string_view key, std::initializer_list<std::string_view> parts,
-                           std::vector<EpochChange> changes) {
+std::size_t UncertainNumbers::add(const TomlTable& table, std::string_view key,
+                                  std::initializer_list<std::string_view> parts) {
+  const std::size_t place = numbers_.size();
   const bool single = parts.size() == 0;
-  const std::vector<TomlTable::Place> places = table.places(key);
   const std::vector<double> values = single ? std::vector<double>{table.number(key)} : table.numbers(key, parts.size());
   std::vector<double> sigmas(values.size(), 0.0);
   if (const std::string sigma = sigma_key(key); table.has(sigma)) {
@@ -35,12 +35,14 @@ void UncertainNumbers::add(const TomlTable& table, std::string_view key, std::in
   for (std::size_t i = 0; i < values.size(); ++i) {
     std::string name(key);
     if (!single) name.append(1, '.').append(parts.begin()[i]);
-    numbers_.push_back({{std::move(name), values[i], changes[i]}, {places[i]}, sigmas[i]});
+    numbers_.push_back({{std::move(name), values[i], {}}, sigmas[i]});
+    values_.push_back(values[i]);
   }
+  return place;
 }
 
-void UncertainNumbers::add_symmetric(const TomlTable& table, std::string_view key, std::vector<EpochChange> changes) {
-  const std::vector<TomlTable::Place> places = table.places(key);
+std::size_t UncertainNumbers::add_symmetric(const TomlTable& table, std::string_view key) {
+  const std::size_t place = numbers_.size();
   const Matrix3 values = table.matrix3(key);
   Matrix3 sigmas = Matrix3::Zero();
   const std::string sigma = sigma_key(key);
@@ -50,17 +52,23 @@ void UncertainNumbers::add_symmetric(const TomlTable& table, std::string_view ke
       throw table.error(sigma, "found a matrix that is not symmetric; its elements are those of a symmetric one");
     }
   }
-  auto change = changes.begin();
   for (int i = 0; i < 3; ++i) {
     for (int k = i; k < 3; ++k) {
-      const int place = 3 * i + k, other = 3 * k + i;
-      std::vector<TomlTable::Place> both{places[static_cast<std::size_t>(place)]};
-      if (k != i) both.push_back(places[static_cast<std::size_t>(other)]);
-      numbers_.push_back({{fmt::format("{}.{}{}", key, "xyz"[i], "xyz"[k]), values(i, k), *change++},
-                          std::move(both),
+      numbers_.push_back({{fmt::format("{}.{}{}", key, "xyz"[i], "xyz"[k]), values(i, k), {}},
                           checked_sigma(table, sigma, sigmas(i, k))});
+      values_.push_back(values(i, k));
     }
   }
+  return place;
+}
+
+void UncertainNumbers::set_changes(std::size_t place, std::vector<EpochChange> changes) {
+  for (EpochChange& change : changes) numbers_[place++].published.change = std::move(change);
+}
+
+void UncertainNumbers::make(Body& body, BodyPart part) {
+  part(values_, body);
+  parts_.push_back(std::move(part));
 }
 
 double UncertainNumbers::sigma_beside(const TomlTable& table, std::string_view key) {
@@ -72,8 +80,7 @@ void UncertainNumbers::follow(const std::function<void(EpochChange&)>& effect) {
   for (Number& number : numbers_) effect(number.published.change);
 }
 
-std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(
-    const TomlTable& root, std::function<Body(const TomlTable& root)> read) const {
+std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(const TomlTable& root, Body blank) const {
   std::vector<bool> uncertain(numbers_.size());
   for (std::size_t i = 0; i < numbers_.size(); ++i) uncertain[i] = numbers_[i].sigma > 0.0;
   std::vector<std::size_t> listed;
@@ -119,14 +126,14 @@ std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(
     }
   }
   Uncertainty all;
-  std::vector<std::vector<TomlTable::Place>> places;
+  std::vector<std::size_t> places;
   std::vector<Eigen::Index> row_of(numbers_.size(), -1);
   std::vector<double> sigmas;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     if (!uncertain[i]) continue;
     row_of[i] = static_cast<Eigen::Index>(all.numbers.size());
     all.numbers.push_back(numbers_[i].published);
-    places.push_back(numbers_[i].places);
+    places.push_back(i);
     sigmas.push_back(numbers_[i].sigma);
   }
   if (all.numbers.empty()) return nullptr;
@@ -137,15 +144,16 @@ std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(
           of_listed(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
     }
   }
-  all.body_with = [root, read = std::move(read), places](const Eigen::VectorXd& values) {
+  all.body_with = [blank = std::move(blank), parts = parts_, published = values_,
+                   places = std::move(places)](const Eigen::VectorXd& values) {
     if (values.size() != static_cast<Eigen::Index>(places.size())) {
       throw InputError(fmt::format("{} values for {} uncertain numbers", values.size(), places.size()));
     }
-    std::vector<std::pair<TomlTable::Place, double>> numbers;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      for (const TomlTable::Place place : places[i]) numbers.emplace_back(place, values[static_cast<Eigen::Index>(i)]);
-    }
-    return read(root.replaced(std::move(numbers)));
+    std::vector<double> numbers = published;
+    for (std::size_t i = 0; i < places.size(); ++i) numbers[places[i]] = values[static_cast<Eigen::Index>(i)];
+    Body clone = blank;
+    for (const BodyPart& part : parts) part(numbers, clone);
+    return clone;
   };
   return std::make_shared<const Uncertainty>(std::move(all));
 }

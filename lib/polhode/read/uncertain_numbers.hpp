@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <initializer_list>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,16 +12,26 @@
 
 namespace polhode {
 
-/// The numbers of a body file that may have an uncertainty, gathered while it is read: with what a change of each does
-/// to the body at its epoch.
+/// Makes a part of a body of the numbers of its file, or of others in their place: all else that the file says of this
+/// part is in it. Throws InputError where no body has them.
+using BodyPart = std::function<void(std::span<const double> numbers, Body& body)>;
+
+/// The numbers of a body file that may have an uncertainty, gathered while it is read: what a change of each does to
+/// the body at its epoch, and how the body is made of them, so that clones are made as the body is.
 class UncertainNumbers {
  public:
   /// The numbers of a key, one or several; `parts` are their names behind the key's ("x", "y", "z"; empty for a single
-  /// number), and `changes` what each does, per unit of the file's number. KEY_sigma may stand beside.
-  void add(const TomlTable& table, std::string_view key, std::initializer_list<std::string_view> parts,
-           std::vector<EpochChange> changes);
-  /// The elements of a symmetric matrix, each of which stands in two places: xx, xy, xz, yy, yz, zz.
-  void add_symmetric(const TomlTable& table, std::string_view key, std::vector<EpochChange> changes);
+  /// number). KEY_sigma may stand beside. Returns the place of the first among all numbers.
+  std::size_t add(const TomlTable& table, std::string_view key, std::initializer_list<std::string_view> parts = {});
+  /// The elements of a symmetric matrix: xx, xy, xz, yy, yz, zz.
+  std::size_t add_symmetric(const TomlTable& table, std::string_view key);
+  /// What the numbers from this place on do, per unit of the file's number.
+  void set_changes(std::size_t place, std::vector<EpochChange> changes);
+
+  std::span<const double> values() const { return values_; }
+
+  /// Makes a part of the body of the numbers that are there, here and now, and later of those of clones.
+  void make(Body& body, BodyPart part);
   /// A number that is published beside others from which it follows: it may have a sigma, which changes nothing.
   static double sigma_beside(const TomlTable& table, std::string_view key);
 
@@ -28,17 +39,18 @@ class UncertainNumbers {
   void follow(const std::function<void(EpochChange&)>& effect);
 
   /// What is uncertain: numbers with a sigma, and those of the table [uncertainty] of `root`, if it has one. Null: all
-  /// are exact. `read` reads the body of the same file with other numbers.
-  std::shared_ptr<const Uncertainty> uncertainty(const TomlTable& root,
-                                                 std::function<Body(const TomlTable& root)> read) const;
+  /// are exact. `blank` is the body before any of its parts is
+  /// made.
+  std::shared_ptr<const Uncertainty> uncertainty(const TomlTable& root, Body blank) const;
 
  private:
   struct Number {
     PublishedNumber published;
-    std::vector<TomlTable::Place> places;
     double sigma = 0.0;
   };
   std::vector<Number> numbers_;
+  std::vector<double> values_;  // of the numbers
+  std::vector<BodyPart> parts_;
 };
 
 }  // namespace polhode

@@ -3,15 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <thread>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/parallel.hpp"
 #include "polhode/base/philox.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/base/units.hpp"
 #include "polhode/body/invariants.hpp"
 #include "polhode/ephemeris/time_grid.hpp"
 #include "polhode/motion/free_bodies.hpp"
@@ -22,6 +24,8 @@ namespace polhode {
 namespace {
 
 constexpr std::size_t kAtOnce = 512;  // clones that a thread works on; a multiple of a block of bodies
+constexpr std::size_t kAtOnceUnderTorques = 4;
+constexpr std::chrono::milliseconds kWave{100};  // how long threads go on before their sums are added up
 constexpr std::uint32_t kMostAttempts = 1000;
 
 std::vector<double> times_of(const Sample& sample) {
@@ -44,9 +48,23 @@ struct ElapsedTimes {
   }
 };
 
-/// The states of some bodies at all times, times within bodies. Under torques each is propagated on its own.
-void states_of_bodies(const Sample& sample, std::span<const FreeBody> bodies, const ElapsedTimes& times,
-                      std::vector<double>& q, std::vector<double>& m) {
+/// The clones from `first` on, as many as there are bodies.
+struct Clones {
+  std::uint64_t first = 0;
+  std::vector<FreeBody> bodies;
+};
+
+Clones drawn_clones(const CloneSource& source, std::uint64_t first, std::uint64_t last) {
+  Clones clones{first, {}};
+  clones.bodies.reserve(last - first);
+  for (std::uint64_t i = first; i < last; ++i) clones.bodies.push_back(source.clone(i));
+  return clones;
+}
+
+/// The states of some clones at all times, times within clones. Under torques each is propagated on its own.
+void states_of_clones(const Sample& sample, const Clones& clones, const ElapsedTimes& times, std::vector<double>& q,
+                      std::vector<double>& m) {
+  const std::vector<FreeBody>& bodies = clones.bodies;
   const std::size_t count = times.high.size();
   q.resize(4 * count * bodies.size());
   m.resize(3 * count * bodies.size());
@@ -58,7 +76,11 @@ void states_of_bodies(const Sample& sample, std::span<const FreeBody> bodies, co
     return;
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
-    sample.moving.motion_of(bodies[i])->batch(instants, part_of(out, i * count));
+    try {
+      sample.moving.motion_of(bodies[i])->batch(instants, part_of(out, i * count));
+    } catch (const ComputationError& error) {
+      throw ComputationError(fmt::format("clone {}: {}", clones.first + i, error.what()));
+    }
   }
 }
 
@@ -90,13 +112,15 @@ CloneState clone_state(const FreeBody& body, const double* q, const double* m, c
           state.momentum_body.cwiseQuotient(body.principal_moments).norm(),
           rates.mode,
           rates.polhode_period_s,
-          rates.precession_period_s};
+          rates.precession_period_s,
+          named.omega_named_rad_s};
 }
 
 template <class Use>
-void clone_states(const Sample& sample, std::span<const FreeBody> bodies, const ElapsedTimes& times, const Use& use) {
+void clone_states(const Sample& sample, const Clones& clones, const ElapsedTimes& times, const Use& use) {
+  const std::vector<FreeBody>& bodies = clones.bodies;
   std::vector<double> q, m;
-  states_of_bodies(sample, bodies, times, q, m);
+  states_of_clones(sample, clones, times, q, m);
   const std::size_t count = times.high.size();
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     CloneRates rates;
@@ -108,24 +132,6 @@ void clone_states(const Sample& sample, std::span<const FreeBody> bodies, const 
       use(i, j, clone_state(bodies[i], &q[4 * row], &m[3 * row], rates));
     }
   }
-}
-
-/// FNV-1a: whether two inputs are the same; nobody is kept from making others that look so.
-std::uint64_t digest(std::string_view text) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return hash;
-}
-
-std::uint64_t whole_of(std::string_view text) {
-  const auto value = parse_integer(text);
-  if (!value || *value < 0) throw InputError(fmt::format("is no part of a sample: '{}' is no number", plain_text(text.substr(0, 40))));
-  return static_cast<std::uint64_t>(*value);
-}
-
-double number_of(std::string_view text) {
-  const auto value = parse_number(text);
-  return value ? *value : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
@@ -156,6 +162,7 @@ CloneSource::CloneSource(const Body& body, Frame frame, std::uint64_t seed, std:
     normal.covariance.col(i).setZero();
   }
   root_ = normal.root();
+  values_ = normal.values();
 }
 
 FreeBody CloneSource::clone(std::uint64_t number) const {
@@ -170,7 +177,7 @@ FreeBody CloneSource::clone(std::uint64_t number) const {
       within[place] = widths_[i] * (p - 0.5);
     }
     try {
-      return free_body(uncertainty_->body_with(uncertainty_->values() + root_ * z + within), frame_);
+      return free_body(uncertainty_->body_with(values_ + root_ * z + within), frame_);
     } catch (const InputError& error) {
       why = error.what();
     }
@@ -204,13 +211,13 @@ SampleState empty_state(const Sample& sample, SamplePart part) {
   for (const UniformNumber& number : sample.uniform) inputs += fmt::format("\n{} {}", number.name, number.width);
   for (const std::string& date : state.dates) inputs += '\n' + date;
   inputs += '\n' + state.frame + state.scale;
-  state.identity = fmt::format("{} {} {:016x} {}", sample.seed, sample.count, digest(inputs), creator());
+  state.identity = fmt::format("{} {} {:016x} {}", sample.seed, sample.count, text_digest(inputs), creator());
   state.part = part;
   state.next = part.first;
   state.at.resize(grid.size());
   state.published.resize(grid.size());
   const CloneSource source(sample.moving.body, sample.moving.frame, sample.seed, sample.uniform);
-  clone_states(sample, std::span(&source.published(), 1), ElapsedTimes(sample),
+  clone_states(sample, Clones{0, {source.published()}}, ElapsedTimes(sample),
                [&](std::size_t, std::size_t j, const CloneState& clone) { state.published[j] = clone; });
   return state;
 }
@@ -219,218 +226,31 @@ void continue_sample(const Sample& sample, SampleState& state, unsigned thread_c
   const CloneSource source(sample.moving.body, sample.moving.frame, sample.seed, sample.uniform);
   const ElapsedTimes times(sample);
   if (thread_count == 0) thread_count = std::max(1U, std::thread::hardware_concurrency());
-  const std::uint64_t chunk = sample.moving.under_torques ? 16 : 32 * kAtOnce;  // clones of a thread in a wave
+  const std::size_t at_once = sample.moving.under_torques ? kAtOnceUnderTorques : kAtOnce;
   std::vector<std::vector<ClonesAtTime>> sums(thread_count);
   while (state.next < state.part.last) {
-    const std::uint64_t first = state.next, last = std::min(state.part.last, first + chunk * thread_count);
-    parallel_chunks(thread_count, 1, thread_count, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t thread = begin; thread < end; ++thread) {
-        std::vector<ClonesAtTime>& mine = sums[thread];
-        mine.assign(times.high.size(), {});
-        std::vector<FreeBody> bodies;
-        const std::uint64_t until = std::min(last, first + chunk * (thread + 1));
-        for (std::uint64_t at = first + chunk * thread; at < until; at += kAtOnce) {
-          bodies.clear();
-          for (std::uint64_t i = at; i < std::min<std::uint64_t>(until, at + kAtOnce); ++i) {
-            bodies.push_back(source.clone(i));
-          }
-          clone_states(sample, bodies, times, [&](std::size_t, std::size_t j, const CloneState& clone) {
-            mine[j].add(clone, state.published[j]);
-          });
-        }
-      }
+    // Each thread takes the next few clones when it is done with its last: some take much longer than others. The sums
+    // are exact, and do not depend on who takes which.
+    std::atomic<std::uint64_t> next = state.next;
+    const auto until = std::chrono::steady_clock::now() + kWave;
+    parallel_chunks(thread_count, 1, thread_count, [&](std::size_t thread, std::size_t) {
+      std::vector<ClonesAtTime>& mine = sums[thread];
+      mine.assign(times.high.size(), {});
+      do {
+        const std::uint64_t first = next.fetch_add(at_once);
+        if (first >= state.part.last) break;
+        const Clones clones = drawn_clones(source, first, std::min(state.part.last, first + at_once));
+        clone_states(sample, clones, times, [&](std::size_t, std::size_t j, const CloneState& clone) {
+          mine[j].add(clone, state.published[j]);
+        });
+      } while (std::chrono::steady_clock::now() < until);
     });
     for (const std::vector<ClonesAtTime>& of_thread : sums) {
       for (std::size_t j = 0; j < of_thread.size(); ++j) state.at[j].add(of_thread[j]);
     }
-    state.next = last;
+    state.next = std::min(state.part.last, next.load());
     if (progress) progress(state);
   }
-}
-
-std::string SampleState::text() const {
-  std::string out = fmt::format(
-      "polhode sample 2\nidentity {}\nobject {}\nframe {}\nscale {}\nseed {}\ncount {}\n"
-      "reference_mjd {}\npart {} {} {}\ntimes {}\n",
-      identity, object, frame, scale, seed, count, reference_mjd, part.first, part.last, next, dates.size());
-  for (std::size_t j = 0; j < dates.size(); ++j) {
-    const CloneState& p = published[j];
-    const Eigen::Vector4d q = scalar_first(p.q_inertial_from_named);
-    out += fmt::format("time {} {} {} {} {} {} {} {} {} {} {} {} {}\n", dates[j], times_s[j], q[0], q[1], q[2], q[3],
-                       p.momentum_inertial[0], p.momentum_inertial[1], p.momentum_inertial[2], p.rate_rad_s,
-                       static_cast<int>(p.mode), p.polhode_period_s, p.long_axis_precession_period_s);
-    out += text_of(at[j]);
-  }
-  out += fmt::format("digest {:016x}\n", digest(out));
-  return out + "end\n";
-}
-
-SampleState SampleState::of_text(const std::string& text) {
-  std::string_view rest = text;
-  const auto take = [&rest](std::string_view name) {
-    std::string_view line = take_line(rest);
-    if (take_word(line) != name)
-      throw InputError(fmt::format("is no part of a sample, or a broken one: no '{}'", name));
-    return std::string(trimmed(line));
-  };
-  SampleState state;
-  if (take("polhode") != "sample 2") throw InputError("is no part of a sample that this program knows");
-  state.identity = take("identity");
-  state.object = take("object");
-  state.frame = take("frame");
-  state.scale = take("scale");
-  state.seed = whole_of(take("seed"));
-  state.count = whole_of(take("count"));
-  state.reference_mjd = number_of(take("reference_mjd"));
-  const std::string part_line = take("part");
-  const auto part_words = split_words(part_line);
-  if (part_words.size() != 3) throw InputError("is no part of a sample, or a broken one: its part");
-  state.part = {whole_of(part_words[0]), whole_of(part_words[1])};
-  state.next = whole_of(part_words[2]);
-  const std::uint64_t times = whole_of(take("times"));
-  for (std::uint64_t j = 0; j < times; ++j) {
-    const std::string line = take("time");
-    const auto words = split_words(line);
-    if (words.size() != 13) throw InputError("is no part of a sample, or a broken one: a time");
-    double n[13];
-    for (std::size_t k = 1; k < 13; ++k) n[k] = number_of(words[k]);
-    state.dates.emplace_back(words[0]);
-    state.times_s.push_back(n[1]);
-    state.published.push_back({Quaternion(n[2], n[3], n[4], n[5]), Vector3(n[6], n[7], n[8]), n[9],
-                               static_cast<CloneState::Mode>(std::clamp(static_cast<int>(n[10]), 0, 2)), n[11], n[12]});
-    state.at.push_back(take_clones(rest));
-  }
-  const std::string_view until_here = std::string_view(text).substr(0, text.size() - rest.size());
-  if (take("digest") != fmt::format("{:016x}", digest(until_here))) {
-    throw InputError("is no part of a sample, or a broken one: its digest is that of another text");
-  }
-  if (rest != "end\n") throw InputError("is no whole part of a sample");
-  return state;
-}
-
-SampleState joined(std::vector<SampleState> parts) {
-  if (parts.empty()) throw InputError("no part is given");
-  std::sort(parts.begin(), parts.end(), [](const SampleState& a, const SampleState& b) {
-    return std::pair(a.part.first, a.part.last) < std::pair(b.part.first, b.part.last);
-  });
-  SampleState whole = std::move(parts.front());
-  std::uint64_t until = 0;
-  for (std::size_t k = 0; k < parts.size(); ++k) {
-    const SampleState& part = k == 0 ? whole : parts[k];
-    if (part.identity != whole.identity) {
-      throw InputError("the parts are of different samples: of another body, seed, count, times or version");
-    }
-    if (part.next != part.part.last) {
-      throw InputError(fmt::format("the part of clones {} to {} is not complete", part.part.first, part.part.last));
-    }
-    if (part.part.first != until) {
-      throw InputError(fmt::format("clones {} to {} are {}", std::min(until, part.part.first),
-                                   std::max(until, part.part.first),
-                                   part.part.first > until ? "missing" : "there twice"));
-    }
-    until = part.part.last;
-    for (std::size_t j = 0; k > 0 && j < whole.at.size(); ++j) whole.at[j].add(part.at[j]);
-  }
-  if (until != whole.count) throw InputError(fmt::format("clones {} to {} are missing", until, whole.count));
-  whole.part = {0, whole.count};
-  whole.next = whole.count;
-  return whole;
-}
-
-void write_sample_statistics(const std::string& path, const SampleState& state) {
-  using Kind = NumberColumn::Kind;
-  static constexpr double kDegreesPerRad = 180.0 / std::numbers::pi;
-  static constexpr double sizes[] = {0.5, 0.682689492137086, 0.954499736103642, 0.997300203936740};
-  static constexpr double signed_parts[] = {0.00134989803163, 0.158655253931457, 0.5, 0.841344746068543,
-                                            0.99865010196837};
-  const bool fits = is_fits_path(path);
-  NumberTable table;
-  table.extension = "SAMPLE";
-  if (fits) {
-    table.columns.push_back({"TIME", {"time"}, "s"});
-  } else {
-    table.columns.push_back({"TIME", {"date_" + lower_case(state.scale)}, "", Kind::label, state.dates});
-  }
-  const auto quantiles = [&table](const std::string& column, const std::string& text, const std::string& unit,
-                                  bool is_size) {
-    const std::vector<std::string> ends = is_size ? std::vector<std::string>{"50", "68", "95", "997"}
-                                                  : std::vector<std::string>{"m3s", "m1s", "50", "p1s", "p3s"};
-    std::vector<std::string> names(ends.size());
-    std::transform(ends.begin(), ends.end(), names.begin(),
-                   [&](const auto& end) { return fmt::format("{}_{}", text, end); });
-    table.columns.push_back({column, std::move(names), unit});
-  };
-  table.columns.push_back({"QMEAN", {"q_x", "q_y", "q_z", "q_scalar"}, ""});
-  table.columns.push_back({"SPREAD", {"attitude_spread_deg"}, "deg"});
-  quantiles("ANGLE", "attitude_angle_deg", "deg", true);
-  table.columns.push_back({"LDIR", {"momentum_ra_deg", "momentum_dec_deg"}, "deg"});
-  table.columns.push_back({"LSPREAD", {"momentum_spread_deg"}, "deg"});
-  quantiles("LANGLE", "momentum_angle_deg", "deg", true);
-  table.columns.push_back({"PMODE", {"p_short_axis", "p_long_axis", "p_other"}, ""});
-  quantiles("RATE", "rate_deviation", "", false);
-  quantiles("PPSI", "polhode_period_deviation", "", false);
-  quantiles("PPHI", "precession_period_deviation", "", false);
-  const auto text = [&table](const char* keyword, const char* key, const std::string& value, const char* comment) {
-    table.entries.push_back({keyword, key, value, 0.0, false, comment});
-  };
-  const auto number = [&table](const char* keyword, const char* key, double value, const char* comment) {
-    table.entries.push_back({keyword, key, "", value, true, comment});
-  };
-  text("OBJECT", "object", state.object, "body");
-  text("CREATOR", "creator", creator(), "program that wrote this file");
-  text("DATE", "created_utc", creation_date(), "when written, UTC");
-  if (fits) {
-    text("TIMESYS", "scale", state.scale, "time scale of TIME");
-    number("MJDREF", "mjdref", state.reference_mjd, "[d] TIME counts from this MJD");
-    text("TIMEUNIT", "time_unit", "s", "unit of TIME");
-  }
-  text("REFFRAMA", "frame_a", state.frame, "frame A, of the attitudes");
-  number("NCLONES", "clones", static_cast<double>(state.count), "how many were drawn");
-  text("SEED", "seed", fmt::format("{}", state.seed), "key of Philox4x32-10");
-  table.comments = {
-      "QMEAN, passive from frame A to the body, scalar last, is the attitude with the least mean square of "
-      "sin(angle/2); "
-      "SPREAD is 2 asin of the root of that mean. LDIR, LSPREAD: the same of the direction of the angular momentum, in ICRF.",
-      "ANGLE, LANGLE: below which 50, 68.27, 95.45, 99.73 per cent of the clones lie from the published body's.",
-      "RATE, PPSI, PPHI: quantiles at -3, -1, 0, 1, 3 normal sigmas of value over published value, less 1, of the "
-      "rate, "
-      "the period of the polhode and that of the long axis' precession, to a part in 100 of themselves."};
-  table.rows = state.at.size();
-  const std::size_t width = table.width();
-  write_number_table(
-      path, table,
-      [&](std::size_t first, std::span<double> out) {
-        double* to = out.data();
-        for (std::size_t j = first; j < first + out.size() / width; ++j) {
-          const ClonesAtTime& clones = state.at[j];
-          *to++ = fits ? state.times_s[j] : static_cast<double>(j);
-          const Eigen::Vector4d q = scalar_first(clones.mean_attitude());
-          for (const int k : {1, 2, 3, 0}) *to++ = q[k];
-          *to++ = kDegreesPerRad * clones.attitude_spread_rad();
-          // A quantile may end at the border of a step of its histogram, beyond the most that there can be.
-          const auto angle_deg = [](const Histogram& angles, double part) {
-            const double deg = kDegreesPerRad * angles.quantile(part);
-            return deg > 180.0 ? 180.0 : deg;
-          };
-          for (const double part : sizes) *to++ = angle_deg(clones.attitude_angle, part);
-          const Vector3 mean = q_icrf_from(frame(state.frame)) * clones.mean_direction();
-          const Direction direction = mean.isZero(0.0) ? Direction{} : direction_of(mean);
-          *to++ = kDegreesPerRad * direction.longitude_rad;
-          *to++ = kDegreesPerRad * direction.latitude_rad;
-          *to++ = kDegreesPerRad * clones.direction_spread_rad();
-          for (const double part : sizes) *to++ = angle_deg(clones.direction_angle, part);
-          for (const std::uint64_t mode : clones.modes) {
-            *to++ = static_cast<double>(mode) / static_cast<double>(clones.count);
-          }
-          for (const Histogram* histogram : {&clones.rate, &clones.polhode_period, &clones.precession_period}) {
-            for (const double part : signed_parts) {
-              const double deviation = histogram->quantile(part);
-              *to++ = deviation < -1.0 ? -1.0 : deviation;
-            }
-          }
-        }
-      },
-      {}, 1);
 }
 
 void write_sample_rows(const std::string& path, const Sample& sample, SamplePart part, const Progress& progress,
@@ -447,6 +267,10 @@ void write_sample_rows(const std::string& path, const Sample& sample, SamplePart
   }
   table.columns.push_back({"QPARAM", {"q_x", "q_y", "q_z", "q_scalar"}, ""});
   table.columns.push_back({"OMEGA", {"omega_body_x_rad_s", "omega_body_y_rad_s", "omega_body_z_rad_s"}, "rad / s"});
+  table.columns.push_back({"LDIR", {"momentum_ra_deg", "momentum_dec_deg"}, "deg"});
+  table.columns.push_back({"MODE", {"mode"}, "", NumberColumn::Kind::label, {"short-axis", "long-axis", "other"}});
+  table.columns.push_back({"PPSI", {"polhode_period_s"}, "s"});
+  table.columns.push_back({"PPHI", {"precession_period_s"}, "s"});
   const auto text = [&table](const char* keyword, const char* key, const std::string& value, const char* comment) {
     table.entries.push_back({keyword, key, value, 0.0, false, comment});
   };
@@ -468,29 +292,25 @@ void write_sample_rows(const std::string& path, const Sample& sample, SamplePart
   const auto fill = [&](std::size_t first, std::span<double> out) {
     const std::size_t last = first + out.size() / width;
     const std::size_t first_clone = first / times, last_clone = (last + times - 1) / times;
-    std::vector<FreeBody> bodies;
-    std::vector<double> q, m;
     for (std::size_t at = first_clone; at < last_clone; at += kAtOnce) {
-      bodies.clear();
-      for (std::size_t i = at; i < std::min(last_clone, at + kAtOnce); ++i) {
-        bodies.push_back(source.clone(part.first + i));
-      }
-      states_of_bodies(sample, bodies, elapsed, q, m);
-      for (std::size_t i = 0; i < bodies.size(); ++i) {
-        for (std::size_t j = 0; j < times; ++j) {
-          const std::size_t row = (at + i) * times + j, here = i * times + j;
-          if (row < first || row >= last) continue;
-          const NamedState named = named_state(
-              bodies[i],
-              {Quaternion(q[4 * here], q[4 * here + 1], q[4 * here + 2], q[4 * here + 3]), Vector3(&m[3 * here])});
-          double* to = out.data() + (row - first) * width;
-          *to++ = static_cast<double>(part.first + at + i);
-          *to++ = fits ? about.times_s[j] : static_cast<double>(j);
-          const Eigen::Vector4d q_row = scalar_first(named.q_inertial_from_named);
-          for (const int k : {1, 2, 3, 0}) *to++ = q_row[k];
-          for (int k = 0; k < 3; ++k) *to++ = named.omega_named_rad_s[k];
-        }
-      }
+      const Clones clones = drawn_clones(source, part.first + at, part.first + std::min(last_clone, at + kAtOnce));
+      clone_states(sample, clones, elapsed, [&](std::size_t i, std::size_t j, const CloneState& clone) {
+        const std::size_t row = (at + i) * times + j;
+        if (row < first || row >= last) return;
+        double* to = out.data() + (row - first) * width;
+        *to++ = static_cast<double>(clones.first + i);
+        *to++ = fits ? about.times_s[j] : static_cast<double>(j);
+        const Eigen::Vector4d q = scalar_first(clone.q_inertial_from_named);
+        for (const int k : {1, 2, 3, 0}) *to++ = q[k];
+        for (int k = 0; k < 3; ++k) *to++ = clone.omega_named_rad_s[k];
+        const Direction momentum =
+            clone.momentum_inertial.isZero(0.0) ? Direction{} : direction_of(clone.momentum_inertial);
+        *to++ = momentum.longitude_rad / degree;
+        *to++ = momentum.latitude_rad / degree;
+        *to++ = static_cast<double>(clone.mode);
+        *to++ = clone.polhode_period_s;
+        *to++ = clone.long_axis_precession_period_s;
+      });
     }
   };
   write_number_table(path, table, fill, progress, thread_count);

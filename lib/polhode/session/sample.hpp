@@ -33,6 +33,7 @@ class CloneSource {
   Frame frame_;
   std::uint64_t seed_;
   std::shared_ptr<const Uncertainty> uncertainty_;
+  Eigen::VectorXd values_;  ///< as published
   Eigen::MatrixXd root_;
   std::vector<double> widths_;  ///< of each number, 0: normal
   FreeBody published_;

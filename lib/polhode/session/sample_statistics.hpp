@@ -52,6 +52,7 @@ struct CloneState {
   double rate_rad_s = 0.0;
   enum class Mode { short_axis, long_axis, other } mode = Mode::other;
   double polhode_period_s = 0.0, long_axis_precession_period_s = 0.0;  ///< NaN where there is none
+  Vector3 omega_named_rad_s = Vector3::Zero();
 };
 
 /// Statistics of the clones at one time, in constant memory.

@@ -16,19 +16,20 @@ void check_number(std::string_view what, double value, bool may_be_0) {
 }  // namespace
 
 void ExponentialAtmosphere::check() const {
-  // Denser air does not let molecules meet a body one by one: at 90 km the Earth's has 3e-6 kg/m3, and free paths of cm.
+  // Denser air does not let molecules meet a body one by one: at 90 km the Earth's has 3e-6 kg/m3, and free paths of
+  // cm.
   constexpr double densest_kg_m3 = 1e-5, fastest_rad_s = 0.01;
   check_number("the density", density_kg_m3, true);
   if (density_kg_m3 > densest_kg_m3) {
-    throw InputError(fmt::format("the density is {:g} kg/m3; thin air is meant, of up to {:g} kg/m3", density_kg_m3,
-                                 densest_kg_m3));
+    throw InputError(
+        fmt::format("the density is {:g} kg/m3; thin air is meant, of up to {:g} kg/m3", density_kg_m3, densest_kg_m3));
   }
   check_number("the distance at which the density is known", distance_m, false);
   check_number("the scale height", scale_height_m, false);
   check_finite("the rotation of the atmosphere", turn_rad_s);
   if (turn_rad_s.norm() > fastest_rad_s) {
-    throw InputError(fmt::format("the atmosphere turns with {:g} rad/s; up to {:g} rad/s are allowed", turn_rad_s.norm(),
-                                 fastest_rad_s));
+    throw InputError(fmt::format("the atmosphere turns with {:g} rad/s; up to {:g} rad/s are allowed",
+                                 turn_rad_s.norm(), fastest_rad_s));
   }
 }
 

@@ -31,9 +31,10 @@ void Sunlight::check() const {
     throw InputError("what eclipses the Sun has the orbit of the Sun itself");
   }
   if (second_trajectory && !(ball_radius_m_ < second_trajectory->least_distance_m())) {
-    throw InputError(fmt::format("what eclipses the Sun has the radius {:g} m, and the body comes within {:g} m of its "
-                                 "centre",
-                                 ball_radius_m_, second_trajectory->least_distance_m()));
+    throw InputError(
+        fmt::format("what eclipses the Sun has the radius {:g} m, and the body comes within {:g} m of its "
+                    "centre",
+                    ball_radius_m_, second_trajectory->least_distance_m()));
   }
 }
 

@@ -133,6 +133,7 @@ void write_table(FitsFile& fits, const Ephemeris& ephemeris, const FitsOptions& 
   const TimeResolution resolution{options.time_low ? TimeResolution::Kind::two_doubles
                                                    : TimeResolution::Kind::one_double};
   write_keywords(fits, ephemeris, resolution);
+  fits.leave_room_for_checksums();
 
   const auto encode = [&](const AttitudeBlock& block, EncodedBlock& out) {
     out.bytes.resize(block.rows * row_bytes);

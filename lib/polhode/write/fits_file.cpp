@@ -121,6 +121,12 @@ void FitsFile::checksums(std::uint64_t data_sum) {
   check(status);
 }
 
+void FitsFile::leave_room_for_checksums() {
+  int status = 0;
+  fits_set_hdrsize(file_, 2, &status);
+  check(status);
+}
+
 void FitsFile::comment(const std::string& text) {
   int status = 0;
   fits_write_comment(file_, ascii_text(text).c_str(), &status);

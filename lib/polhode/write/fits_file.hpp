@@ -42,6 +42,8 @@ class FitsFile {
   /// DATASUM and CHECKSUM of the current HDU. cfitsio's own would read the data again, and note the time of day, so
   /// that no two files were the same.
   void checksums(std::uint64_t data_sum);
+  /// To be called before the first data: else cfitsio moves all of them where the two cards need another block.
+  void leave_room_for_checksums();
   void comment(const std::string& text);
 
  private:

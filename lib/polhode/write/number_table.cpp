@@ -190,6 +190,7 @@ void write_fits_rows(FitsFile& fits, const NumberTable& table, const RowFiller& 
     }
   }
   for (const std::string& comment : table.comments) fits.comment(comment);
+  fits.leave_room_for_checksums();
 
   const auto encode = [&](std::span<const double> numbers, EncodedBlock& out) {
     out.bytes.resize(out.rows * row_bytes);

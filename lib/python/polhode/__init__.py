@@ -61,7 +61,7 @@ from ._program import program
 
 if TYPE_CHECKING:
     from .fitting import Fit, fit
-    from .sampling import sample
+    from .sampling import sample, sample_rows
 
 __all__ = [
     "Account",
@@ -110,12 +110,13 @@ __all__ = [
     "read_case",
     "read_mesh",
     "sample",
+    "sample_rows",
     "set_leap_seconds",
     "solve_periods",
     "write",
 ]
 
-_MODULE_OF = {"Fit": "fitting", "fit": "fitting", "sample": "sampling"}
+_MODULE_OF = {"Fit": "fitting", "fit": "fitting", "sample": "sampling", "sample_rows": "sampling"}
 
 
 def __getattr__(name: str) -> Any:

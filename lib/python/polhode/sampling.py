@@ -51,6 +51,25 @@ def _columns(path: Path) -> dict[str, np.ndarray]:
     }
 
 
+def _options(
+    path: str | os.PathLike[str],
+    count: int,
+    seed: int,
+    times: str | Sequence[str],
+    frame: str | None,
+    scale: str,
+    uniform: Mapping[str, float] | None,
+) -> list[str]:
+    source = Path(path).resolve()
+    wanted = times if isinstance(times, str) else ",".join(str(time) for time in times)
+    options = [str(source), "--count", str(count), "--seed", str(seed), "--times", wanted, "--scale", scale]
+    if frame is not None:
+        options += ["--frame", frame]
+    for name, width in (uniform or {}).items():
+        options += ["--uniform", f"{name}={width!r}"]
+    return options
+
+
 def sample(
     path: str | os.PathLike[str],
     *,
@@ -71,13 +90,7 @@ def sample(
     dask.distributed, has the parts done by its workers, which must see the file under its path; what a lost worker had is
     done again by another, and the result is the same bits. `output` is written as well: FITS, CSV or ECSV by its ending.
     Raises InputError, FileError, ComputationError."""
-    source = Path(path).resolve()
-    wanted = times if isinstance(times, str) else ",".join(str(time) for time in times)
-    options = [str(source), "--count", str(count), "--seed", str(seed), "--times", wanted, "--scale", scale]
-    if frame is not None:
-        options += ["--frame", frame]
-    for name, width in (uniform or {}).items():
-        options += ["--uniform", f"{name}={width!r}"]
+    options = _options(path, count, seed, times, frame, scale, uniform)
     if parts is None:
         parts = 1 if client is None else max(8, 4 * len(client.scheduler_info()["workers"]))
     if client is None:
@@ -95,3 +108,58 @@ def sample(
         if output is not None:
             _run(["--join", *map(str, files), "-o", str(Path(output).resolve())])
         return _columns(table)
+
+
+def sample_rows(
+    path: str | os.PathLike[str],
+    output: str | os.PathLike[str],
+    *,
+    count: int,
+    seed: int,
+    times: str | Sequence[str],
+    frame: str | None = None,
+    scale: str = "TDB",
+    uniform: Mapping[str, float] | None = None,
+    threads: int = 0,
+) -> None:
+    """Writes every clone of `sample` at each of the times as a row, as `polhode sample --rows` does: FITS, CSV, ECSV, or by
+    pyarrow Parquet, by the output's ending. Memory does not depend on the count; for Parquet the rows stand in a temporary
+    file first. Raises InputError, FileError, ComputationError."""
+    target = Path(output).resolve()
+    options = [*_options(path, count, seed, times, frame, scale, uniform), "--rows", "--threads", str(threads)]
+    if target.suffix != ".parquet":
+        _run([*options, "-o", str(target)])
+        return
+    try:
+        import pyarrow as arrow
+        from pyarrow import csv as arrow_csv
+        from pyarrow import parquet
+    except ImportError as missing:
+        raise InputError("Parquet is written by pyarrow, which is not installed; .fits, .csv and .ecsv need nothing") from missing
+    with tempfile.TemporaryDirectory() as folder:
+        rows = Path(folder, "rows.csv")
+        _run([*options, "-o", str(rows)])
+        comments = []
+        with open(rows, encoding="utf-8") as file:
+            for line in file:
+                if not line.startswith("#"):
+                    break
+                comments.append(line[1:].strip())
+        names = line.strip().split(",")
+        kinds = {"clone": arrow.int64(), f"date_{scale.lower()}": arrow.string(), "mode": arrow.string()}
+        types = {name: kinds.get(name, arrow.float64()) for name in names}
+        schema = arrow.schema(list(types.items()), metadata={"polhode": "\n".join(comments)})
+        partial = target.with_name(f".{target.name}.{os.getpid()}")
+        try:
+            with arrow_csv.open_csv(
+                rows,
+                arrow_csv.ReadOptions(skip_rows=len(comments)),
+                convert_options=arrow_csv.ConvertOptions(column_types=types, null_values=[], strings_can_be_null=False),
+            ) as batches, parquet.ParquetWriter(partial, schema) as writer:
+                for batch in batches:
+                    writer.write_batch(batch.cast(schema))
+            partial.replace(target)
+        except OSError as problem:
+            raise FileError(f"{target}: {problem.strerror or problem}") from problem
+        finally:
+            partial.unlink(missing_ok=True)
