@@ -155,7 +155,7 @@ TEST(BodyFile, WhatIsWrongIsSaidWithItsLine) {
        "the moment about z is 5, but the smallest of the three is 3"},
       {"no such axis", name + "[inertia]\nmoments=[3,4,5]\nunit='ratios'\nlong_axis='long'\n", 5, "allowed: x, y, z"},
       {"named axes of a tensor", name + "[inertia]\nunit='ratios'\nlong_axis='x'\ntensor=[[1,0,0],[0,1,0],[0,0,1]]\n",
-       4, "only moments without"},
+       4, "only axes without products"},
       {"products without sign", name + "[inertia]\nmoments=[3,4,5]\nproducts=[0,0,1]\nunit='kg m2'\n", 2,
        "products_are: this key is missing"},
       {"unknown sign", name + "[inertia]\nmoments=[3,4,5]\nproducts=[0,0,1]\nproducts_are='-'\nunit='kg m2'\n", 5,

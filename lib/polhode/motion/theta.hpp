@@ -37,6 +37,8 @@ class ThetaMotion final : public Motion {
   struct Unchecked {};
   ThetaMotion(Unchecked, const FreeBody& body, Span span, const theta::Target& target = best_target());
 
+  /// At any finite time a state of the body; beyond some 1e28 turns, where the last digit of a rate in two parts turns
+  /// the body, its phase means nothing.
   State at(double t_high_s, double t_low_s = 0.0) const override;
   void batch(const TimeArrays& times, const StateArrays& out) const override;
 

@@ -74,11 +74,8 @@ struct Angle {
 inline constexpr double kSafePeriods = 0x1p50;   // up to here the nearest whole number is the nearest, and odd or even
 inline constexpr double kSafeQuarters = 0x1p44;  // up to here t times the low part of a rate stays far below 1
 
-inline constexpr double kLostQuarters = 0x1p96;  // from here the last digit of a rate in two parts turns the body
-
 /// rate t + offset + whole in quarter turns, |offset| <= 1/2 in the most accurate case, whole an integer. The product
 /// is rounded once, after its whole quarters have gone; beyond kSafeQuarters whole quarters are taken out of each part.
-/// NaN beyond kLostQuarters.
 template <class V>
 [[gnu::always_inline]] inline Angle<V> angle(V rate, V rate_low, V t_high, V t_low, V offset, V whole) {
   const V magic = all<V>(kMagic) + whole;
@@ -97,7 +94,6 @@ template <class V>
     const auto far = above(magnitude(about), kSafeQuarters);  // lanes do not depend on their neighbours
     result.y = choose(far, result.y, y - (shifted - magic));
     result.quarter = (result.quarter & ~far) | (bits(shifted) & far);
-    result.y = choose(above(magnitude(about), kLostQuarters), result.y, all<V>(__builtin_nan("")));
   }
   return result;
 }
