@@ -85,11 +85,6 @@ def test_wrong_input_is_one_message_and_status_2(tmp_path, text, line, message):
     assert result.stderr.count("\n") == 1
 
 
-def test_of_a_scene_its_body(tmp_path):
-    scene, body = info(ROOT / "data/scenes/envisat-month.toml"), info(ROOT / "data/scenes/bodies/envisat-2013.toml")
-    assert scene.returncode == 0 and scene.stdout.splitlines()[1:] == body.stdout.splitlines()[1:]
-
-
 def test_files_that_are_none(tmp_path):
     assert info(tmp_path).returncode == 2
     assert info(tmp_path / "absent.toml").returncode == 3

@@ -5,28 +5,18 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
-#include <variant>
 #include <vector>
 
 #include "in_file.hpp"
 #include "output.hpp"
 #include "polhode/body/invariants.hpp"
 #include "polhode/read/body.hpp"
-#include "polhode/read/scene_file.hpp"
 #include "polhode/session/body_report.hpp"
 #include "polhode/time/duration_text.hpp"
 #include "subcommands.hpp"
 
 namespace polhode::tools {
 namespace {
-
-/// That of a scene is its body.
-BodyAndHistory body_in(const std::string& file) {
-  std::variant<Scene, BodyAndHistory> found = read_scene_or_body(file);
-  if (auto* const scene = std::get_if<Scene>(&found)) return {std::move(scene->body), {}};
-  return std::get<BodyAndHistory>(std::move(found));
-}
 
 constexpr double hour_s = 3600.0;
 constexpr double day_s = 86400.0;
@@ -214,7 +204,7 @@ void add_info(CLI::App& app) {
     Page page;
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const std::string& file : options->files) {
-      const BodyReport report = in_file(file, [&] { return report_on(file, body_in(file)); });
+      const BodyReport report = in_file(file, [&] { return report_on(file, read_body_and_history(file)); });
       if (options->as_json) {
         all.push_back(nlohmann::ordered_json::parse(json_text(report)));
       } else {

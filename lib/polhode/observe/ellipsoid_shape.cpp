@@ -45,8 +45,8 @@ class Ellipsoid final : public Shape {
   explicit Ellipsoid(const Vector3& semi_axes_m) : axes_m_(semi_axes_m), volume_(semi_axes_m.prod()) {
     if (!((semi_axes_m.array() >= 1e-6).all() && (semi_axes_m.array() <= 1e12).all())) {
       throw InputError(
-          fmt::format("the semi-axes of the ellipsoid are {:g}, {:g}, {:g} m; three numbers from 1e-6 to 1e12 m are "
-                      "wanted",
+          fmt::format("the semi-axes of the ellipsoid are {:g}, {:g}, {:g} m; three positive numbers, from 1e-6 to "
+                      "1e12 m, are wanted",
                       semi_axes_m[0], semi_axes_m[1], semi_axes_m[2]));
     }
     map_ = axes_m_.cwiseInverse().asDiagonal();

@@ -59,6 +59,15 @@ def positive(text):
     return value
 
 
+def duration_s(text):
+    """An argument that is a positive duration, in s or with unit: "90", "10 min"."""
+    number, _, unit = text.strip().partition(" ")
+    units_s = {"": 1.0, "s": 1.0, "min": 60.0, "h": 3600.0, "d": 86400.0}
+    if unit.strip() not in units_s:
+        raise argparse.ArgumentTypeError(f"'{text}' is no duration; allowed units are s, min, h, d")
+    return positive(number) * units_s[unit.strip()]
+
+
 # --- Files out --------------------------------------------------------------------------------------------------------
 
 

@@ -58,7 +58,7 @@ def surface(shape, unit=None):
         return mesh.vertices, mesh.facets
     if axes.shape != (3,) or not ((axes > 0) & (axes < np.inf)).all():
         raise InputError(f"the semi-axes of the ellipsoid are {shape}; three positive numbers are wanted")
-    return ellipsoid(axes / axes.max())
+    return ellipsoid(axes)
 
 
 def semi_axes(text):
@@ -174,7 +174,7 @@ def main(arguments):
     parser.add_argument("--target", required=True, help="trajectory of the body, as polhode observe takes it")
     parser.add_argument("--shape", required=True, help='"A B C unit" (semi-axes along x, y, z) or a mesh')
     parser.add_argument("--start", required=True, help="first time of reception, a date with its scale")
-    parser.add_argument("--step", default="1 h", help='from one picture to the next, in s, or with unit as "10 min" (default: 1 h)')
+    parser.add_argument("--step", type=_files.duration_s, default="1 h", help='from one picture to the next, in s, or with unit as "10 min" (default: 1 h)')
     parser.add_argument("--count", type=int, default=1, help=f"pictures, 1 to {MOST_INSTANTS} (default: 1)")
     parser.add_argument("--observer", default="geocentre", help="geocentre, sun, or a trajectory (default: geocentre)")
     parser.add_argument("--shape-unit", help="unit of a mesh's coordinates: m, km ...")
@@ -187,12 +187,6 @@ def main(arguments):
     what = read(options.file)
     body = getattr(what, "body", what)
     start = Instant(options.start)
-    try:
-        step_s = (start + (float(options.step) if options.step.replace(".", "", 1).isdigit() else options.step)) - start
-    except InputError as error:
-        raise InputError(f"--step: {error}") from None
-    if not step_s > 0:
-        raise InputError(f"--step: '{options.step}' is not positive")
     site = {}
     if options.site:
         try:
@@ -200,7 +194,7 @@ def main(arguments):
         except ValueError:
             raise InputError(f"--site: '{options.site}' is no LONGITUDE LATITUDE HEIGHT") from None
         site = {"site": (longitude, latitude, height)}
-    times = [start + k * step_s for k in range(max(options.count, 0))]
+    times = [start + k * options.step for k in range(max(options.count, 0))]
     figure = picture(
         what.motion(), times, options.target, shape=options.shape, shape_unit=options.shape_unit, name=body.name,
         observer=options.observer, centre=options.centre, trajectory_frame=options.trajectory_frame, **site,
