@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes toutatis-earth.oem and toutatis-sun.oem: where asteroid 4179 Toutatis was from 1992 to 2008.
+"""Makes toutatis-earth.oem and toutatis-sun.oem: where asteroid 4179 Toutatis was from 1992 to 2012.
 
 The osculating elements below are JPL's of epoch JD 2461200.5 TDB (Small-Body Database, as public code repeats them). From
 there the equations of motion are integrated back to 1992: the Sun with its post-Newtonian term, the planets (ERFA's
@@ -29,9 +29,9 @@ PLANETS = {1: 22031.868551, 2: 324858.592, 4: 42828.375816, 5: 126712764.1, 6: 3
 
 # Published approaches to the Earth: date (UTC), au.
 APPROACHES = [("1992-12-08", 0.0242), ("1996-11-29", 0.0354), ("2000-10-31", 0.0739), ("2004-09-29", 0.0104),
-              ("2008-11-09", 0.0502)]  # fmt: skip
+              ("2008-11-09", 0.0502), ("2012-12-12", 0.0463)]  # fmt: skip
 
-FIRST, LAST = "1992-11-01", "2008-12-15"
+FIRST, LAST = "1992-07-04", "2012-12-31"
 
 
 def earth(days):
@@ -115,7 +115,7 @@ def write(path, centre, motion):
         hours = round(t_s / 3600.0)
         return Time(J2000, hours / 24.0, format="jd", scale="tdb").isot[:19]
 
-    lines = ["CCSDS_OEM_VERS = 2.0", "COMMENT made by toutatis.py, which says how", "CREATION_DATE = 2026-11-24T00:00:00",
+    lines = ["CCSDS_OEM_VERS = 2.0", "COMMENT made by toutatis.py, which says how", "CREATION_DATE = 2026-11-30T00:00:00",
              "ORIGINATOR = POLHODE", "", "META_START", "OBJECT_NAME = TOUTATIS", "OBJECT_ID = 4179",
              f"CENTER_NAME = {centre}", "REF_FRAME = ICRF", "TIME_SYSTEM = TDB", f"START_TIME = {date(times[0])}",
              f"STOP_TIME = {date(times[-1])}", "INTERPOLATION = HERMITE", "INTERPOLATION_DEGREE = 7", "META_STOP", ""]  # fmt: skip

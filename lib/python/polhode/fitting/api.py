@@ -162,7 +162,7 @@ def choose(parameters, photometry, free, fixed):
         return [name for name in names or () if name not in bright(names)]
 
     if rest(free) or rest(fixed):
-        parameters.choose(rest(free), rest(fixed))
+        parameters.choose(rest(free), rest(fixed), others=photometry is not None)
     for names, value in ((bright(free), True), (bright(fixed), False)):
         for name in names:
             for p in photometry.numbers:

@@ -243,9 +243,9 @@ class Parameters:
                 return p
         raise InputError(f"'{name}' is no number of {self.tables['name']}; allowed are {', '.join(self.names)}")
 
-    def choose(self, free=None, fixed=None):
+    def choose(self, free=None, fixed=None, others=False):
         """free, fixed: names; a name without its part means all parts. `free` alone: these and no others, unless a name
-        begins with +."""
+        begins with +. `others`: there are numbers besides, so that all of these may be fixed."""
         if free:
             if not any(name.startswith("+") for name in free):
                 for p in self.numbers:
@@ -256,7 +256,7 @@ class Parameters:
         for name in fixed or ():
             for p in self._meant(name):
                 p.free = False
-        if not self.free.any():
+        if not others and not self.free.any():
             raise InputError("no parameter is free: nothing is to be fitted")
 
     def _meant(self, name):
