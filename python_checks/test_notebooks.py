@@ -12,12 +12,12 @@ NOTEBOOKS = sorted((ROOT / "tools/manual/notebooks").glob("*.ipynb"))
 
 
 def printed(cell):
-    """Texts, and kinds of pictures."""
-    found = []
+    """Texts, and kinds of pictures. A slow cell's text comes in several parts."""
+    found = [""]
     for output in cell.outputs:
         if output.output_type == "stream":
             if output.name == "stdout":
-                found.append(output.text)
+                found[0] += output.text
         else:
             found += [sorted(output.data)] if "image/png" in output.data else [output.data["text/plain"]]
     return found
