@@ -45,3 +45,9 @@ def test_there_are_six():
         kinds = [cell.cell_type for cell in nbformat.read(path, as_version=4).cells]
         assert kinds[0] == "markdown" and kinds.count("markdown") >= 3
         assert path.stat().st_size < 400_000
+
+
+def test_no_warning_of_a_machine_stands_in_them():
+    for path in NOTEBOOKS:
+        for cell in nbformat.read(path, as_version=4).cells:
+            assert not any(output.get("name") == "stderr" for output in cell.get("outputs", []))
