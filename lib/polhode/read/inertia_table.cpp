@@ -189,6 +189,7 @@ void read_moments(const TomlTable& table, const InertiaUnit& unit, Body& body, U
   const std::size_t place = numbers.add(table, "moments", {"x", "y", "z"});
   if (has_products) numbers.add(table, "products", {"xy", "xz", "yz"});
   std::vector<EpochChange> changes;
+  changes.reserve(6);
   const double of_products = sign == ProductsOfInertia::tensor_elements ? unit.factor : -unit.factor;
   for (int k = 0; k < 3; ++k) changes.push_back(of_tensor(symmetric_unit(k, k, unit.factor)));
   for (int k = 0; has_products && k < 3; ++k) {
