@@ -40,7 +40,7 @@ def test_a_notebook_prints_what_stands_in_it(path, tmp_path, monkeypatch):
 
 
 def test_there_are_six():
-    assert [path.stem for path in NOTEBOOKS] == ["apophis", "satellite", "spice-and-astropy", "toutatis", "toutatis-1992-magnitudes", "toutatis-fit"]
+    assert [path.stem for path in NOTEBOOKS] == ["apophis", "satellite", "spice-and-astropy", "toutatis-1992-magnitudes", "toutatis-fit", "toutatis"]
     for path in NOTEBOOKS:
         kinds = [cell.cell_type for cell in nbformat.read(path, as_version=4).cells]
         assert kinds[0] == "markdown" and kinds.count("markdown") >= 3
