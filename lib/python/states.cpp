@@ -239,7 +239,7 @@ void broadcast_states(const MotionObject& self, const Elapsed& times, const Shap
   const std::ptrdiff_t run_row = free.empty() ? 1 : row_stride[free.back()];
   const std::ptrdiff_t run_time = free.empty() ? 0 : time_stride[free.back()];
 
-  parallel_chunks(self.motions.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
+  parallel_chunks(self.bodies.size(), 1, threads, [&](std::size_t begin, std::size_t end) {
     std::vector<double> high(run_time == 1 ? 0 : run, times.high_s);
     std::vector<double> low(run_time != 1 && (times.scalar || !times.low.empty()) ? run : 0, times.low_s);
     for (std::size_t body = begin; body < end; ++body) {
@@ -275,7 +275,11 @@ void broadcast_states(const MotionObject& self, const Elapsed& times, const Shap
         StateArrays to = part_of(out, static_cast<std::size_t>(row));
         to.q_stride *= run_row;
         to.m_stride *= run_row;
-        self.motions[body]->batch(run_times, to);
+        if (self.side_by_side) {
+          self.side_by_side->batch(body, run_times, to);
+        } else {
+          self.motions[body]->batch(run_times, to);
+        }
       }
     }
   });
@@ -384,7 +388,9 @@ StateObject states_at(const std::shared_ptr<const MotionObject>& self, const nb:
     }
   } else {
     const nb::gil_scoped_release others_go_on;
-    (self->side_by_side ? broadcast_side_by_side : broadcast_states)(*self, times, whole, output.arrays, threads);
+    const bool few_times = count / std::max<std::size_t>(1, self->bodies.size()) < FreeBodies::kManyTimes;
+    (self->side_by_side && few_times ? broadcast_side_by_side : broadcast_states)(*self, times, whole, output.arrays,
+                                                                                  threads);
   }
   state.q = std::move(output.q);
   state.m = std::move(output.m);

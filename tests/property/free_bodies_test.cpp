@@ -136,6 +136,33 @@ TEST(FreeBodies, ABodyIsTheSameBitsWhateverItsNeighboursAndThreads) {
   }
 }
 
+TEST(FreeBodies, ManyTimesOfABodyAreThoseAskedForOneByOne) {
+  const Bodies bodies = random_bodies(203);
+  std::vector<double> times;
+  for (std::size_t j = 0; j < FreeBodies::kManyTimes + 5; ++j)
+    times.push_back(1e7 * std::sin(3.0 * static_cast<double>(j)));
+  const std::size_t rows = bodies.size() * times.size();
+  for (const double tolerance_rad : {0.0, 1e-3}) {
+    const FreeBodies many(bodies.arrays(), {1e7, tolerance_rad, 1});
+    std::vector<double> q(4 * rows), m(3 * rows), q_across(4 * rows), q_alone(4 * times.size());
+    const auto count = static_cast<std::ptrdiff_t>(bodies.size());
+    many.grid({times}, StateArrays::of_structures(q.data(), m.data()), {static_cast<std::ptrdiff_t>(times.size()), 1});
+    many.grid({times}, StateArrays::of_structures(q_across.data(), nullptr), {1, count}, 2);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      many.batch(i, {times}, StateArrays::of_structures(q_alone.data(), nullptr));
+      for (std::size_t j = 0; j < times.size(); ++j) {
+        const std::size_t row = i * times.size() + j;
+        const State one = many.at(i, times[j]);
+        const Eigen::Vector4d off = Eigen::Map<Eigen::Vector4d>(&q[4 * row]) - scalar_first(one.q_inertial_from_body);
+        ASSERT_LE(off.norm(), 2.0 * kEps) << i << " at " << times[j];
+        ASSERT_LE((Eigen::Map<Vector3>(&m[3 * row]) - one.momentum_body).norm(), 4.0 * kEps * one.momentum_body.norm());
+        ASSERT_EQ(std::memcmp(&q[4 * row], &q_alone[4 * j], 4 * sizeof(double)), 0);
+        ASSERT_EQ(std::memcmp(&q[4 * row], &q_across[4 * (j * bodies.size() + i)], 4 * sizeof(double)), 0);
+      }
+    }
+  }
+}
+
 TEST(FreeBodies, WhatIsRefusedIsNamedByItsNumber) {
   Bodies bodies = random_bodies(30);
   const auto message = [&] {

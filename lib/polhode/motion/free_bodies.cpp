@@ -107,12 +107,61 @@ void answer_block(const theta::Target& target, const Block& block, int here, con
   }
 }
 
+// The body of a lane by itself, with its constants in the form of theta::OutputFrame: the product of `frame` with a
+// quaternion, by the components of that.
+theta::Solution solution_of(const theta::BodyBlock& lanes, int lane) {
+  theta::Solution out;
+  out.chart = theta::Chart::fourier;
+  out.long_axis_mode = lanes.long_axis_mode[lane] < 0.0;
+  out.fourier = {};
+  theta::FourierChart& chart = out.fourier;
+  chart.rho_quarters_per_s = {lanes.rho_quarters_per_s[0][lane], lanes.rho_quarters_per_s[1][lane]};
+  chart.v_quarters_per_s = {lanes.v_quarters_per_s[0][lane], lanes.v_quarters_per_s[1][lane]};
+  chart.v_quarters_at_0 = lanes.v_quarters_at_0[lane];
+  chart.v_whole_quarters_at_0 = lanes.v_whole_quarters_at_0[lane];
+  for (int n = 0; n <= theta::kMaxDegree; ++n) {
+    for (int i = 0; i < 4; ++i) {
+      chart.polynomial[n][i] = lanes.polynomial[n][i][lane];
+      if (chart.polynomial[n][i] != 0.0) chart.degree = n;
+    }
+  }
+  const double f[4] = {lanes.frame[0][lane], lanes.frame[1][lane], lanes.frame[2][lane], lanes.frame[3][lane]};
+  const double columns[4][4] = {
+      {f[0], f[1], f[2], f[3]}, {-f[1], f[0], f[3], -f[2]}, {-f[2], -f[3], f[0], f[1]}, {-f[3], f[2], -f[1], f[0]}};
+  for (int i = 0; i < 4; ++i) {
+    const int column = i % 2 == 1 && out.long_axis_mode ? 4 - i : i;
+    for (int k = 0; k < 4; ++k) {
+      chart.frame.frame[i][k] = i == 0 ? columns[0][k] : lanes.sign[i - 1][lane] * columns[column][k];
+    }
+  }
+  for (int k = 0; k < 3; ++k) chart.frame.momentum_scale[k] = lanes.momentum_scale[k][lane];
+  chart.frame.exchange_1_3 = out.long_axis_mode;
+  return out;
+}
+
+// One body of a block at all times.
+void answer_body(const theta::Target& target, const Block& block, int lane, const theta::BatchArguments& arguments) {
+  if ((block.alone >> lane & 1U) == 0) return target.batch(solution_of(block.lanes, lane), arguments);
+  const auto before = static_cast<std::size_t>(std::popcount(block.alone & ((1U << lane) - 1U)));
+  target.batch(block.others.at(before), arguments);
+}
+
 int bodies_in_block(std::size_t block, std::size_t count) {
   return static_cast<int>(std::min<std::size_t>(kBlock, count - block * kBlock));
 }
 
 void answer_grid(const theta::Target& target, const Block& block, std::size_t number, int here, const TimeArrays& times,
                  const StateArrays& out, const GridRows& grid) {
+  if (times.high.size() >= FreeBodies::kManyTimes) {
+    for (int lane = 0; lane < here; ++lane) {
+      const std::ptrdiff_t row = (static_cast<std::ptrdiff_t>(number * kBlock) + lane) * grid.body_rows;
+      StateArrays to = part_of(out, static_cast<std::size_t>(row));
+      to.q_stride *= grid.time_rows;
+      to.m_stride *= grid.time_rows;
+      answer_body(target, block, lane, theta_batch(times, to));
+    }
+    return;
+  }
   theta::BlockTimes all{};
   BlockRows rows;
   for (std::size_t j = 0; j < times.high.size(); ++j) {
@@ -200,6 +249,11 @@ State FreeBodies::at(std::size_t body, double t_high_s, double t_low_s) const {
 void FreeBodies::block(std::size_t number, const theta::BlockTimes& times, const StateArrays& out,
                        const BlockRows& rows) const {
   answer_block(*target_, blocks_.at(number), bodies_in_block(number, count_), times, out, rows);
+}
+
+void FreeBodies::batch(std::size_t body, const TimeArrays& times, const StateArrays& out) const {
+  check_lengths(times);
+  answer_body(*target_, blocks_.at(body / kBlock), static_cast<int>(body % kBlock), theta_batch(times, out));
 }
 
 void FreeBodies::grid(const TimeArrays& times, const StateArrays& out, const GridRows& rows,
