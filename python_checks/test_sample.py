@@ -241,7 +241,9 @@ def test_threads_and_parts_give_the_same_bits_under_torques(tmp_path):
 def test_rows_say_mode_momentum_and_periods(tmp_path, body):
     import polhode
 
-    polhode.sample_rows(body, tmp_path / "rows.ecsv", count=20, seed=3, times="1993-01-01 TDB", uniform={"components.x": 10.0})
+    polhode.sample_rows(
+        body, tmp_path / "rows.ecsv", count=20, seed=3, times="1993-01-01 TDB", frame="ECLIPJ2000", uniform={"components.x": 10.0}
+    )
     rows = Table.read(tmp_path / "rows.ecsv")
     assert set(rows["mode"]) <= {"short-axis", "long-axis"} and np.all(rows["polhode_period_s"] > 4e5)
     assert np.all(np.abs(rows["precession_period_s"] / 86400 - 7.4) < 1.0)
@@ -250,6 +252,8 @@ def test_rows_say_mode_momentum_and_periods(tmp_path, body):
     turned = Rotation.from_quat(np.roll(attitudes(rows), -1, axis=1)).apply(vectors)
     ra, dec = np.radians(rows["momentum_ra_deg"]), np.radians(rows["momentum_dec_deg"])
     there = np.stack([np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec)], axis=1)
+    assert rows.meta["frame_a"] == "ECLIPJ2000"  # not that of right ascensions
+    turned = Rotation.from_quat(np.roll(polhode.frame_rotation("ECLIPJ2000", "ICRF"), -1)).apply(turned)
     angles = np.degrees(np.arccos(np.sum(turned * there, axis=1) / np.linalg.norm(turned, axis=1)))
     assert 0 < angles.max() < 1.5
 

@@ -372,8 +372,8 @@ PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double firs
   const std::size_t most = allowed_evaluations(plan.kept, most_torque_evaluations);
   if (plan.torque_evaluations && *plan.torque_evaluations > static_cast<double>(most)) {
     throw ComputationError(fmt::format(
-        "the propagation would take about {:.2g} torque evaluations, {} are allowed; allow more, or ask for "
-        "less accuracy or a shorter span",
+        "the propagation would take about {:.2g} torque evaluations, {} are allowed; allow more by --max-evaluations "
+        "(max_evaluations), or ask for less accuracy or a shorter span",
         *plan.torque_evaluations, most));
   }
   std::size_t in_vain = 0;
@@ -389,17 +389,15 @@ PlannedMotion planned_motion(const Plan& plan, const FreeBody& body, double firs
     auto motion = std::make_unique<TorquedMotion>(body, plan.kept, options);
     if (motion->outcome() == Outcome::stopped) {
       throw ComputationError(
-          fmt::format("the propagation was ended after {} of the {} torque evaluations that are allowed; allow more, "
-                      "or ask for less "
-                      "accuracy or a shorter span",
+          fmt::format("the propagation was ended after {} of the {} torque evaluations that are allowed; allow more "
+                      "by --max-evaluations (max_evaluations), or ask for less accuracy or a shorter span",
                       motion->torque_evaluations() + in_vain, most));
     }
     if (motion->outcome() != Outcome::done) {
       throw ComputationError(
           fmt::format("the planned accuracy is not reached: the estimated error of the propagation is {:.1e} rad, "
-                      "{:.1e} rad was planned for "
-                      "it{}; ask for "
-                      "less accuracy or a shorter span",
+                      "{:.1e} rad was planned for it{}; "
+                      "ask for less accuracy or a shorter span",
                       motion->error_rad(), plan.tolerance_rad,
                       plan.kept.smooth() ? "" : " (facets that come into the light make kinks)"));
     }

@@ -42,7 +42,7 @@ struct Plan {
 
 /// Torque evaluations that plans and propagations may take unless the caller allows more: some seconds of work. An
 /// evaluation of a torque on many facets counts for several (Torques::cost_of_evaluation()).
-constexpr std::size_t kMostTorqueEvaluations = 4'000'000;
+constexpr std::size_t kMostTorqueEvaluations = 16'000'000;
 /// The same where every effect was asked for, at 1e-9 rad: a minute and more.
 constexpr std::size_t kMostTorqueEvaluationsInFull = 100'000'000;
 /// The same for a motion without a plan, whatever its tolerance: some seconds, so fewer of several torques. (One torque

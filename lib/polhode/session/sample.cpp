@@ -303,10 +303,7 @@ void write_sample_rows(const std::string& path, const Sample& sample, SamplePart
         const Eigen::Vector4d q = scalar_first(clone.q_inertial_from_named);
         for (const int k : {1, 2, 3, 0}) *to++ = q[k];
         for (int k = 0; k < 3; ++k) *to++ = clone.omega_named_rad_s[k];
-        const Direction momentum =
-            clone.momentum_inertial.isZero(0.0) ? Direction{} : direction_of(clone.momentum_inertial);
-        *to++ = momentum.longitude_rad / degree;
-        *to++ = momentum.latitude_rad / degree;
+        for (const double angle_deg : ra_dec_deg(clone.momentum_inertial, sample.moving.frame)) *to++ = angle_deg;
         *to++ = static_cast<double>(clone.mode);
         *to++ = clone.polhode_period_s;
         *to++ = clone.long_axis_precession_period_s;

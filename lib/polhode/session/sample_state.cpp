@@ -194,10 +194,7 @@ void write_sample_statistics(const std::string& path, const SampleState& state) 
             return deg > 180.0 ? 180.0 : deg;
           };
           for (const double part : sizes) *to++ = angle_deg(clones.attitude_angle, part);
-          const Vector3 mean = q_icrf_from(frame(state.frame)) * clones.mean_direction();
-          const Direction direction = mean.isZero(0.0) ? Direction{} : direction_of(mean);
-          *to++ = kDegreesPerRad * direction.longitude_rad;
-          *to++ = kDegreesPerRad * direction.latitude_rad;
+          for (const double angle : ra_dec_deg(clones.mean_direction(), frame(state.frame))) *to++ = angle;
           *to++ = kDegreesPerRad * clones.direction_spread_rad();
           for (const double part : sizes) *to++ = angle_deg(clones.direction_angle, part);
           for (const std::uint64_t mode : clones.modes) {

@@ -11,6 +11,7 @@
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/base/units.hpp"
 #include "polhode/write/document.hpp"
 
 namespace polhode {
@@ -130,6 +131,13 @@ double Histogram::quantile(double part) const {
     return place > 0 ? low + within * (high - low) : -(high - within * (high - low));
   }
   return std::numeric_limits<double>::quiet_NaN();
+}
+
+std::array<double, 2> ra_dec_deg(const Vector3& direction, Frame frame) {
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (direction.isZero(0.0)) return {kNone, kNone};
+  const Direction icrf = direction_of(q_icrf_from(frame) * direction);
+  return {icrf.longitude_rad / degree, icrf.latitude_rad / degree};
 }
 
 void ClonesAtTime::add(const CloneState& clone, const CloneState& published) {

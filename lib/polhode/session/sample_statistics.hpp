@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "polhode/base/geometry.hpp"
+#include "polhode/frames/frame.hpp"
 
 namespace polhode {
 
@@ -54,6 +55,10 @@ struct CloneState {
   double polhode_period_s = 0.0, long_axis_precession_period_s = 0.0;  ///< NaN where there is none
   Vector3 omega_named_rad_s = Vector3::Zero();
 };
+
+/// Right ascension and declination in ICRF of a direction in the frame, in degrees; NaN for the zero vector, which has
+/// none.
+std::array<double, 2> ra_dec_deg(const Vector3& direction, Frame frame);
 
 /// Statistics of the clones at one time, in constant memory.
 struct ClonesAtTime {
