@@ -16,16 +16,7 @@ namespace {
 Place place_of(const nb::object& what, const ObserveArguments& arguments, const BodyInMotion& moving) {
   const Instant epoch = moving.body.state->epoch;
   if (nb::isinstance<Trajectory>(what)) {
-    const auto& way = nb::cast<const Trajectory&>(what);
-    constexpr double sun_mu_m3_s2 = 1.32712440041279419e20, same = 0.01;
-    const KeplerOrbit* const orbit = way.orbit();
-    if (orbit != nullptr && centre_of_name(arguments.centre) == Centre::sun &&
-        std::abs(orbit->elements().mu_m3_s2 / sun_mu_m3_s2 - 1.0) > same) {
-      throw InputError(
-          fmt::format("the orbit has mu = {:g} m3/s2, which is not the Sun's; `centre` names what it is about",
-                      orbit->elements().mu_m3_s2));
-    }
-    return KnownWay{way, moving.frame, epoch, arguments.centre, {}};
+    return KnownWay{nb::cast<const Trajectory&>(what), moving.frame, epoch, arguments.centre, {}};
   }
   TrajectoryRequest request;
   request.centre = arguments.centre;

@@ -193,10 +193,11 @@ class Observer {
       for (std::size_t i = 0; i < count; ++i) {
         const Sight& sight = work.sights[i];
         // Distances in au, and the phase function, in the light of a body that is then 1 au from both.
-        const double range = sight.observer_from_target_m.norm() / astronomical_unit_m;
-        if (range * astronomical_unit_m <= photometry.shape->radius_m()) {
-          throw InputError(fmt::format("the observer is {:.6g} m from the middle of the body, which is {:.6g} m large",
-                                       range * astronomical_unit_m, photometry.shape->radius_m()));
+        const double range_m = sight.observer_from_target_m.norm(), range = range_m / astronomical_unit_m;
+        if (range_m <= photometry.shape->radius_m()) {
+          throw InputError(
+              fmt::format("the observer is {:.6g} m from the middle of the body, whose largest radius is {:.6g} m",
+                          range_m, photometry.shape->radius_m()));
         }
         const double sun = sight.sun_from_target_m.norm() / astronomical_unit_m;
         const double phase =

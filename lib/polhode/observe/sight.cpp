@@ -10,6 +10,7 @@
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/time/scale.hpp"
+#include "polhode/torque/kepler_orbit.hpp"
 
 namespace polhode {
 namespace {
@@ -32,10 +33,21 @@ void check_covered(const KnownWay& way, double t_s, Instant instant) {
   throw InputError({way.source, 0}, message);
 }
 
+/// An orbit about the Sun has the Sun's mass within a part in a hundred; another is about something else.
+void check_mass(const Place& place) {
+  const auto* const way = std::get_if<KnownWay>(&place);
+  if (way == nullptr || centre_of_name(way->centre) != Centre::sun) return;
+  const KeplerOrbit* const orbit = way->trajectory.orbit();
+  if (orbit == nullptr || std::abs(orbit->elements().mu_m3_s2 / kSunMu_m3_s2 - 1.0) <= 0.01) return;
+  throw InputError(fmt::format("the orbit has mu = {:g} m3/s2, which is not the Sun's; `centre` names what it is about",
+                               orbit->elements().mu_m3_s2));
+}
+
 }  // namespace
 
 Viewing::Viewing(Place target, Place observer, Place sun)
     : target_(std::move(target)), observer_(std::move(observer)), sun_(std::move(sun)) {
+  for (const Place* const place : {&target_, &observer_, &sun_}) check_mass(*place);
   const std::string about = foreign_centre(target_);
   if (foreign_centre(observer_) != about || foreign_centre(sun_) != about) {
     const auto text = [](const Place& place) {

@@ -9,12 +9,12 @@
 #include "polhode/base/units.hpp"
 #include "polhode/read/toml_table.hpp"
 #include "polhode/time/scale.hpp"
+#include "polhode/torque/kepler_orbit.hpp"
 
 namespace polhode {
 namespace {
 
 constexpr double au_m = 149597870700.0;
-constexpr double sun_mu_m3_s2 = 1.32712440041279419e20;  // DE440
 
 Vector3 turned(double node_rad, double inclination_rad, double angle_rad, const Vector3& v) {
   return Eigen::AngleAxisd(node_rad, Vector3::UnitZ()) * Eigen::AngleAxisd(inclination_rad, Vector3::UnitX()) *
@@ -40,7 +40,7 @@ CentredTrajectory parse_elements(std::string_view text, const std::string& path,
   const std::string centre = table.optional_text("centre").value_or(request.centre.empty() ? "SUN" : request.centre);
   KeplerElements elements;
   const bool about_sun = upper_case(centre) == "SUN";
-  elements.mu_m3_s2 = about_sun && !table.has("mu_m3_s2") ? sun_mu_m3_s2 : table.positive_number("mu_m3_s2");
+  elements.mu_m3_s2 = about_sun && !table.has("mu_m3_s2") ? kSunMu_m3_s2 : table.positive_number("mu_m3_s2");
   elements.eccentricity = table.number("eccentricity");
   const std::string_view size = table.one_of({"semi_major_axis_au", "periapsis_au"});
   const double length_m = au_m * table.number(size);

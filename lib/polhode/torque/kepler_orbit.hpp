@@ -8,6 +8,8 @@
 
 namespace polhode {
 
+inline constexpr double kSunMu_m3_s2 = 1.32712440041279419e20;  ///< DE440
+
 /// What fixes motion about a point mass: ellipse, parabola and hyperbola in one form.
 struct KeplerElements {
   double mu_m3_s2 = 0.0;                    ///< positive

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import csv
 import os
-import shutil
-import subprocess
 import tempfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -13,31 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from ._errors import ComputationError, FileError, InputError
-
-
-def _program() -> str:
-    own = Path(__file__).parent / "bin" / "polhode"
-    found = os.environ.get("POLHODE") or (str(own) if own.exists() else shutil.which("polhode"))
-    if not found:
-        raise FileError("the program polhode is not there; the installed package brings it")
-    return str(found)
-
-
-def _run(arguments: Sequence[str]) -> None:
-    done = subprocess.run([_program(), "sample", *arguments], capture_output=True, text=True, check=False)
-    if done.returncode == 0:
-        return
-    lines = done.stderr.strip().splitlines() or [f"the program ended with status {done.returncode}"]
-    message = lines[-1].removeprefix("polhode: ")
-    raise {2: InputError, 3: FileError}.get(done.returncode, ComputationError)(message)
+from ._errors import InputError
+from ._files import whole_file
+from ._program import completed
 
 
 def _part(options: Sequence[str], part: int, parts: int, threads: int) -> bytes:
     """The statistics of a part of the clones, as the program writes them. A function of its arguments alone."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "sample.part")
-        _run([*options, "--part", f"{part}/{parts}", "--threads", str(threads), "-o", str(path)])
+        completed("sample", *options, "--part", f"{part}/{parts}", "--threads", threads, "-o", path)
         return path.read_bytes()
 
 
@@ -104,9 +87,9 @@ def sample(
             files.append(Path(folder, f"{number}.part"))
             files[-1].write_bytes(content)
         table = Path(folder, "sample.csv")
-        _run(["--join", *map(str, files), "-o", str(table)])
+        completed("sample", "--join", *files, "-o", table)
         if output is not None:
-            _run(["--join", *map(str, files), "-o", str(Path(output).resolve())])
+            completed("sample", "--join", *files, "-o", Path(output).resolve())
         return _columns(table)
 
 
@@ -126,9 +109,9 @@ def sample_rows(
     pyarrow Parquet, by the output's ending. Memory does not depend on the count; for Parquet the rows stand in a temporary
     file first. Raises InputError, FileError, ComputationError."""
     target = Path(output).resolve()
-    options = [*_options(path, count, seed, times, frame, scale, uniform), "--rows", "--threads", str(threads)]
+    options = [*_options(path, count, seed, times, frame, scale, uniform), "--rows", "--threads", threads]
     if target.suffix != ".parquet":
-        _run([*options, "-o", str(target)])
+        completed("sample", *options, "-o", target)
         return
     try:
         import pyarrow as arrow
@@ -138,7 +121,7 @@ def sample_rows(
         raise InputError("Parquet is written by pyarrow, which is not installed; .fits, .csv and .ecsv need nothing") from missing
     with tempfile.TemporaryDirectory() as folder:
         rows = Path(folder, "rows.csv")
-        _run([*options, "-o", str(rows)])
+        completed("sample", *options, "-o", rows)
         comments = []
         with open(rows, encoding="utf-8") as file:
             for line in file:
@@ -149,17 +132,9 @@ def sample_rows(
         kinds = {"clone": arrow.int64(), f"date_{scale.lower()}": arrow.string(), "mode": arrow.string()}
         types = {name: kinds.get(name, arrow.float64()) for name in names}
         schema = arrow.schema(list(types.items()), metadata={"polhode": "\n".join(comments)})
-        partial = target.with_name(f".{target.name}.{os.getpid()}")
-        try:
-            with arrow_csv.open_csv(
-                rows,
-                arrow_csv.ReadOptions(skip_rows=len(comments)),
-                convert_options=arrow_csv.ConvertOptions(column_types=types, null_values=[], strings_can_be_null=False),
-            ) as batches, parquet.ParquetWriter(partial, schema) as writer:
+        read = arrow_csv.ReadOptions(skip_rows=len(comments))
+        convert = arrow_csv.ConvertOptions(column_types=types, null_values=[], strings_can_be_null=False)
+        with whole_file(target) as file, arrow_csv.open_csv(rows, read, convert_options=convert) as batches:
+            with parquet.ParquetWriter(file, schema) as writer:
                 for batch in batches:
                     writer.write_batch(batch.cast(schema))
-            partial.replace(target)
-        except OSError as problem:
-            raise FileError(f"{target}: {problem.strerror or problem}") from problem
-        finally:
-            partial.unlink(missing_ok=True)

@@ -161,10 +161,7 @@ def in_frame(rows, frame):
     if frame == rows.frame:
         return rows
     half = (-OBLIQUITY_RAD if frame == "ECLIPJ2000" else OBLIQUITY_RAD) / 2
-    c, s = np.cos(half), np.sin(half)
-    q = rows.q
-    turned = [c * q[:, 0] - s * q[:, 1], c * q[:, 1] + s * q[:, 0], c * q[:, 2] - s * q[:, 3], c * q[:, 3] + s * q[:, 2]]
-    return replace(rows, frame=frame, q=np.stack(turned, axis=1))
+    return replace(rows, frame=frame, q=turned_by([np.cos(half), np.sin(half), 0.0, 0.0], rows.q))
 
 
 def pole_distance(rows):
