@@ -172,6 +172,17 @@ def test_sums_of_fits_are_held_against_the_bytes(tmp_path):
     assert f"polhode: warning: {out}: CHECKSUM is wrong" in run("propagate", out, "-o", tmp_path / "b.csv").stderr
 
 
+def test_a_rate_beyond_all_bodies_is_refused(tmp_path):
+    """In degrees it would be infinite."""
+    path = tmp_path / "rows.csv"
+    rows = ["date_tt,q_x,q_y,q_z,q_scalar,omega_body_x_rad_s,omega_body_y_rad_s,omega_body_z_rad_s"]
+    rows += [f"2000-01-01T12:00:0{second}.0,0,0,0,1,0,{rate},0" for second, rate in ((0, "0"), (2, "1e308"))]
+    path.write_text("\n".join(rows) + "\n")
+    result = run("propagate", path, "--history", "--count", 3, "-o", tmp_path / "rows.xml", check=False)
+    assert result.returncode == 2
+    assert ":3: row 2: the rate is 1e+308 rad/s, up to 1e+50 rad/s can be read" in result.stderr
+
+
 def test_zeros_are_refused_quickly(tmp_path):
     path = tmp_path / "zeros"
     with open(path, "wb") as file:

@@ -43,8 +43,10 @@ void add_row(AttitudeSegment& segment, const AttitudeSample& sample, const Sourc
     throw InputError(
         where, fmt::format("row {}: the quaternion has length {:.6g}, it must be 1", segment.samples.size() + 1, norm));
   }
-  if (sample.omega_body_rad_s && !sample.omega_body_rad_s->allFinite()) {
-    throw InputError(where, fmt::format("row {}: the rate is not finite", segment.samples.size() + 1));
+  if (sample.omega_body_rad_s && !(sample.omega_body_rad_s->stableNorm() <= kGreatestRead)) {
+    throw InputError(
+        where, fmt::format("row {}: the rate is {:.6g} rad/s, up to {:g} rad/s can be read", segment.samples.size() + 1,
+                           sample.omega_body_rad_s->stableNorm(), kGreatestRead));
   }
   if (!segment.samples.empty() && !(segment.samples.back().time < sample.time)) {
     throw InputError(where, fmt::format("row {}: its time is not after the one above", segment.samples.size() + 1));

@@ -7,10 +7,7 @@
 namespace polhode {
 namespace {
 
-constexpr double kLeast = 1e-50;
-constexpr double kGreatest = 1e50;
-
-bool in_range(double value) { return kLeast <= value && value <= kGreatest; }
+bool in_range(double value) { return kLeastRead <= value && value <= kGreatestRead; }
 
 }  // namespace
 
@@ -19,14 +16,14 @@ void check_range(const Inertia& inertia) {
   if (in_range(I[0]) && in_range(I[2])) return;
   throw InputError(
       fmt::format("the principal moments are {:.6g}, {:.6g}, {:.6g}{}; those from {:g} to {:g} can be read", I[0], I[1],
-                  I[2], inertia.absolute ? " kg m2" : "", kLeast, kGreatest));
+                  I[2], inertia.absolute ? " kg m2" : "", kLeastRead, kGreatestRead));
 }
 
 void check_range_of_rate(const Vector3& omega_rad_s) {
   const double rate = omega_rad_s.stableNorm();
   if (rate == 0.0 || in_range(rate)) return;
   throw InputError(fmt::format("the angular velocity is {:.6g} rad/s; 0, and {:g} to {:g} rad/s, can be read", rate,
-                               kLeast, kGreatest));
+                               kLeastRead, kGreatestRead));
 }
 
 void check_range(const Body& body) {
