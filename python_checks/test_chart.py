@@ -115,6 +115,7 @@ def test_stability_table_and_figures(tmp_path):
         ["torqued", f"{ROOT}/data/truth/dev/sam-01.case"],  # no torque
         ["torqued", f"{ROOT}/data/scenes/relaxing.toml@0s"],
         ["stability", "--size", "-1"],
+        ["stability", "--size", "nan"],
         ["nonsense"],
     ],
 )

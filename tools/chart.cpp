@@ -284,7 +284,11 @@ void add_chart(CLI::App& app) {
   const auto common = [&](CLI::App* kind) {
     kind->add_option("-o,--output", options->folder, "Folder for the table")->required();
     kind->add_option("--size", options->size, "1 takes minutes; more is finer and longer, less is quicker")
-        ->check(CLI::Range(0.01, 100.0))
+        ->check([](const std::string& text) {  // (CLI::Range takes NaN)
+          double size = 0.0;
+          const bool is_one = CLI::detail::lexical_cast(text, size) && size >= 0.01 && size <= 100.0;
+          return is_one ? std::string() : "found " + text + ", a number from 0.01 to 100 is wanted";
+        })
         ->capture_default_str();
   };
   CLI::App* speed = command->add_subcommand("speed-accuracy", "Error against cost, on bodies of your choice");
