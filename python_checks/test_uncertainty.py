@@ -1,6 +1,7 @@
 """SIGMA and COV, and the horizons of info, against clones drawn from the published uncertainties; what files say of them."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
@@ -264,6 +265,114 @@ def test_covariance_under_torques_is_that_of_clones(tmp_path):
     for t, one in zip(np.array([1.0, 3.0, 5.5]) * DAY, sigma):
         apart = (down(t).rotation.inv() * up(t).rotation).magnitude() / 2e-4 * 1e-3
         assert abs(apart / one - 1.0) < 0.02
+
+
+BALL = """name = "ball"
+[inertia]
+moments = [2.0, 2.0, 2.0]
+unit = "kg m2"
+[state]
+epoch = "2025-01-01T00:00:00 TDB"
+frame = "ICRF"
+[state.attitude]
+euler_angles = [0.0, 0.0, 0.0]
+sequence = "ZXZ"
+unit = "deg"
+[state.angular_velocity]
+components = [0.0, 0.0, 1.0]
+axes = "body"
+unit = "deg/s"
+"""
+PUSHED = """name = "a ball that is pushed"
+source = "by hand"
+body = "ball.toml"
+frame = "ICRF"
+after = "100 s"
+accuracy = "1e-6 rad"
+[[torque]]
+kind = "constant"
+torque_n_m = [0.0, 0.0, 1e-4]
+torque_n_m_sigma = [0.0, 0.0, 1e-5]
+axes = "body"
+[[torque]]
+kind = "linear damping"
+coefficient_n_m_s = 0.0
+coefficient_n_m_s_sigma = 1e-5
+"""
+
+
+def test_numbers_of_torques_have_uncertainties(tmp_path):
+    """A ball about one axis: I w' = N - d w, so that a change of N turns it by N t^2 / 2 I, and one of d at d = 0 by
+    -(w0 t^2 / 2 + N t^3 / 6 I) / I."""
+    (tmp_path / "ball.toml").write_text(BALL)
+    (tmp_path / "scene.toml").write_text(PUSHED)
+    inertia, push, rate = 2.0, 1e-4, np.radians(1.0)
+
+    def sigma(t):
+        return np.hypot(1e-5 * t**2 / (2 * inertia), 1e-5 * (rate * t**2 / 2 + push * t**3 / (6 * inertia)) / inertia)
+
+    run("propagate", tmp_path / "scene.toml", "--covariance", "--count", 3, "-o", tmp_path / "rows.ecsv")
+    rows = Table.read(tmp_path / "rows.ecsv")
+    assert np.allclose(rows["sigma_rad"], sigma(np.array([0.0, 50.0, 100.0])), rtol=1e-3)
+    assert np.allclose(rows["cov_zz_rad2"], rows["sigma_rad"] ** 2, rtol=1e-6)
+    times = "2025-01-01T00:00:50 TDB, 2025-01-01T00:01:40 TDB"
+    run("sample", tmp_path / "scene.toml", "--count", 20_000, "--seed", 5, "--times", times, "-o", tmp_path / "clones.ecsv")
+    spread = np.radians(Table.read(tmp_path / "clones.ecsv")["attitude_spread_deg"])
+    assert np.allclose(spread, sigma(np.array([50.0, 100.0])), rtol=0.02)
+    uniform = ["--uniform", "torque.1.torque_n_m.z=2e-5", "--times", times, "-o", tmp_path / "even.ecsv"]
+    run("sample", tmp_path / "scene.toml", "--count", 20_000, "--seed", 5, *uniform)
+    within = np.radians(Table.read(tmp_path / "even.ecsv")["attitude_spread_deg"])
+    assert np.all(within < 0.7 * spread)  # a sigma of 2e-5 / sqrt(12)
+
+
+def test_a_scene_with_uncertain_torques_in_python(tmp_path):
+    (tmp_path / "ball.toml").write_text(BALL)
+    (tmp_path / "scene.toml").write_text(PUSHED)
+    scene = polhode.read(tmp_path / "scene.toml")
+    assert sigma_of(scene.motion(), np.array([100.0])) == pytest.approx(1e-5 * 1e4 / 4, rel=0.02)
+    with pytest.raises(TypeError, match="read its file again"):
+        pickle.dumps(scene)
+
+
+@pytest.mark.parametrize(
+    "line, message",
+    [
+        ("torque_n_m_sigma = [0, 0]", "has the form of its number"),
+        ("torque_n_m_sigma = 1e-5", "has the form of its number"),
+        ("torque_n_m_sigma = [0, 0, -1e-5]", "an uncertainty of 0 or more"),
+        ("torque_n_m_sigma = [0, 0, nan]", "has the form of its number"),
+        ("torque_sigma = 1e-5", "there is no number that it goes with"),
+        ('axes_sigma = 1e-5', "has the form of its number"),
+    ],
+)
+def test_an_uncertainty_that_is_none_is_refused(tmp_path, line, message):
+    (tmp_path / "ball.toml").write_text(BALL)
+    text = PUSHED.replace("torque_n_m_sigma = [0.0, 0.0, 1e-5]", line)
+    (tmp_path / "scene.toml").write_text(text)
+    result = run("propagate", tmp_path / "scene.toml", "-o", tmp_path / "rows.csv", check=False)
+    number = 1 + text.splitlines().index(line)
+    assert result.returncode == 2 and f"scene.toml:{number}: torque.1." in result.stderr and message in result.stderr
+
+
+def test_clones_whose_torques_cannot_be_are_drawn_again(tmp_path):
+    """An eccentricity of 0.0 with a sigma: half of the draws are negative."""
+    (tmp_path / "ball.toml").write_text(BALL)
+    orbit = """[orbit.earth]
+mu_m3_s2 = 3.986004418e14
+periapsis_m = 7.146e6
+eccentricity = 0.0
+eccentricity_sigma = 0.01
+periapsis_after_epoch_s = 0.0
+to_periapsis = [1.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+[[torque]]
+kind = "gravity gradient"
+orbit = "earth"
+"""
+    (tmp_path / "scene.toml").write_text(PUSHED[: PUSHED.index("[[torque]]")] + orbit)
+    times = "2025-01-01T00:00:50 TDB"
+    run("sample", tmp_path / "scene.toml", "--count", 50, "--seed", 5, "--times", times, "--rows", "-o", tmp_path / "rows.csv")
+    assert len((tmp_path / "rows.csv").read_text().splitlines()) > 50
 
 
 @pytest.mark.parametrize("angle", [float("nan"), 0.0, -1.0, "0 deg", float("inf")])

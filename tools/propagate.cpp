@@ -265,7 +265,7 @@ void propagate(PropagateOptions options) {
     export_history(options, format, *std::move(file.history));
     return;
   }
-  if (options.covariance && !body.uncertainty) {
+  if (options.covariance && !body.uncertainty && !(scene != nullptr && scene->uncertain)) {
     throw InputError(
         "gives no uncertainty, and --covariance needs one: _sigma keys, a table [uncertainty] or period_uncertainty");
   }

@@ -501,6 +501,10 @@ void bind_pickling(nb::module_& m) {
       m, "Scene",
       [](Saver& to, SceneObject self) {
         Scene& x = self.scene;
+        if (x.uncertain) {
+          throw nb::type_error(
+              "a scene whose torques have uncertainties is not pickled: read its file again where it is wanted");
+        }
         pass_all(to, self.path, x.name, x.source, x.body, x.frame, x.torque_names, x.first_s, x.last_s, x.accuracy_rad);
         save(to, x.torques.list());
       },

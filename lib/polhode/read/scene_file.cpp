@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <filesystem>
+#include <map>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
@@ -96,6 +97,35 @@ SurfacesByName read_surfaces(const TomlTable& root) {
   return surfaces;
 }
 
+Torques read_torques(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder,
+                     const ContentOf& content_of) {
+  const OrbitsByName orbits = read_orbits(root, scene, folder, content_of);
+  const SurfacesByName surfaces = read_surfaces(root);
+  const TorqueSurroundings surroundings{scene.body, orbits, surfaces, folder, content_of};
+  std::vector<Torque> torques;
+  for (const TomlTable& table : root.tables("torque")) torques.push_back(read_torque(table, surroundings));
+  return Torques(std::move(torques));
+}
+
+std::shared_ptr<const UncertainTorques> uncertain_torques(const TomlTable& root,
+                                                          std::vector<TomlTable::NumberWithSigma> numbers,
+                                                          const Scene& scene, const std::filesystem::path& folder,
+                                                          std::map<std::string, std::string, std::less<>> files) {
+  UncertainTorques out;
+  for (const TomlTable::NumberWithSigma& number : numbers) {
+    out.numbers.push_back({number.name(), number.value, {}});
+    out.sigmas.push_back(number.sigma);
+  }
+  out.torques_with = [root, numbers = std::move(numbers), scene, folder,
+                      files = std::move(files)](const Eigen::VectorXd& values) {
+    std::vector<TomlTable::NumberWithSigma> changed = numbers;
+    for (std::size_t i = 0; i < changed.size(); ++i) changed[i].value = values[static_cast<Eigen::Index>(i)];
+    return read_torques(root.with_values(changed), scene, folder,
+                        [&files](const std::string& file) { return files.at(file); });
+  };
+  return std::make_shared<const UncertainTorques>(std::move(out));
+}
+
 }  // namespace
 
 bool is_scene(std::string_view text) {
@@ -122,7 +152,8 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
       "\"…\"";
   if (const InputFormat* format = input_format_of(content); format != nullptr && !format->histories.empty())
     throw InputError({path, 0}, no_scene);
-  const TomlTable root = TomlTable::parse(content, path);
+  std::vector<TomlTable::NumberWithSigma> uncertain;
+  const TomlTable root = TomlTable::parse_with_sigmas(content, path, {"orbit", "surface", "torque"}, uncertain);
   if (root.has("inertia") || root.has("state") || root.has("spin")) throw InputError({path, 0}, no_scene);
   root.allow_only({"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit",
                    "surface", "torque"});
@@ -168,17 +199,19 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
     root.located("period_uncertainty",
                  [&] { set_period_uncertainty(scene.body, root.positive_number("period_uncertainty")); });
   }
-  const OrbitsByName orbits = read_orbits(root, scene, folder, content_of);
-  const SurfacesByName surfaces = read_surfaces(root);
-  const TorqueSurroundings surroundings{scene.body, orbits, surfaces, folder, content_of};
-  std::vector<Torque> torques;
+  std::map<std::string, std::string, std::less<>> files;  // which a clone's torques are read from once more
+  scene.torques = read_torques(root, scene, folder, [&](const std::string& file) {
+    std::string text = content_of(file);
+    if (!uncertain.empty()) files.insert_or_assign(file, text);
+    return text;
+  });
   for (const TomlTable& table : root.tables("torque")) {
-    torques.push_back(read_torque(table, surroundings));
-    std::string name(torque_name(torques.back()));
+    std::string name(torque_name(scene.torques.list()[scene.torque_names.size()]));
     if (table.has("orbit")) name += ", " + table.text("orbit");
     scene.torque_names.push_back(std::move(name));
   }
-  scene.torques = Torques(std::move(torques));
+  if (!uncertain.empty())
+    scene.uncertain = uncertain_torques(root, std::move(uncertain), scene, folder, std::move(files));
   return scene;
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -7,11 +9,20 @@
 #include <vector>
 
 #include "polhode/body/body.hpp"
+#include "polhode/body/uncertainty.hpp"
 #include "polhode/read/body.hpp"
 #include "polhode/read/text_file.hpp"
 #include "polhode/torque/torques.hpp"
 
 namespace polhode {
+
+/// The numbers of a scene's orbits, surfaces and torques that are not exact, each by itself.
+struct UncertainTorques {
+  std::vector<PublishedNumber> numbers;  ///< "torque.2.quality_factor", "orbit.earth.mu_m3_s2"; they change no body
+  std::vector<double> sigmas;
+  /// The torques with these values in the place of the scene's. Throws InputError where there are none.
+  std::function<Torques(const Eigen::VectorXd& values)> torques_with;
+};
 
 /// A body, what acts on it, over which span and how well it is wanted (tools/manual/scenes.md).
 struct Scene {
@@ -21,8 +32,9 @@ struct Scene {
   Frame frame = Frame::icrf;              ///< inertial; of the directions of orbits and torques, and of the result
   Torques torques;                        ///< in the axes that the body's file names; seconds from its epoch
   std::vector<std::string> torque_names;  ///< of each, its orbit's name included: "gravity gradient, earth"
-  double first_s = 0.0, last_s = 0.0;     ///< from the body's epoch
-  double accuracy_rad = 0.0;              ///< wanted of the attitude
+  std::shared_ptr<const UncertainTorques> uncertain;  ///< null: all that acts is known exactly
+  double first_s = 0.0, last_s = 0.0;                 ///< from the body's epoch
+  double accuracy_rad = 0.0;                          ///< wanted of the attitude
 };
 
 /// Whether the content, TOML with a line `accuracy = …` before its first table, is a scene and not a body.

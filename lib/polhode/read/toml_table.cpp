@@ -13,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "polhode/base/text.hpp"
 
@@ -67,6 +69,105 @@ std::string_view bare_word(std::string_view text, std::size_t line) {
 }
 
 std::size_t line_of(const toml::node& node) { return node.source().begin.line; }
+
+/// What is there for certain.
+template <class T>
+T& there(T* node) {
+  if (node == nullptr) throw std::logic_error("a place in a document of TOML that is none");
+  return *node;
+}
+
+toml::table& table_at(toml::table& document, const TomlTable::NumberWithSigma& place) {
+  toml::node& section = there(document.get(place.section));
+  if (toml::array* const list = section.as_array())
+    return there(there(list->get(std::stoul(place.table) - 1)).as_table());
+  return there(there(there(section.as_table()).get(place.table)).as_table());
+}
+
+/// The element that is meant of a number, a list or a matrix; null where there is none.
+toml::node* element_at(toml::node* node, int row, int column) {
+  for (const int place : {row, column}) {
+    if (node == nullptr || place < 0) return node;
+    toml::array* const list = node->as_array();
+    node = list == nullptr || list->size() != 3 ? nullptr : list->get(static_cast<std::size_t>(place));
+  }
+  return node;
+}
+
+/// Takes the uncertainties out of the tables of a section.
+class SigmaTaker {
+ public:
+  using Number = TomlTable::NumberWithSigma;
+  SigmaTaker(const std::string& path, std::vector<Number>& taken) : path_(path), taken_(taken) {}
+
+  void take(toml::table& document, std::string_view section) {
+    Number place;
+    place.section = section;
+    toml::node* const found = document.get(section);
+    if (found == nullptr) return;
+    if (toml::array* const list = found->as_array()) {
+      for (std::size_t i = 0; i < list->size(); ++i) {
+        place.table = fmt::format("{}", i + 1);
+        if (toml::table* const table = there(list->get(i)).as_table()) take_of(*table, place);
+      }
+    } else if (toml::table* const tables = found->as_table()) {
+      for (auto&& [key, node] : *tables) {
+        place.table = key.str();
+        if (toml::table* const table = node.as_table()) take_of(*table, place);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::string_view kSigma = "_sigma";
+
+  void take_of(toml::table& table, Number place) {
+    std::vector<std::string> keys;
+    for (auto&& [key, node] : table) {
+      if (key.str().ends_with(kSigma)) keys.emplace_back(key.str());
+    }
+    for (const std::string& key : keys) {
+      place.key = key.substr(0, key.size() - kSigma.size());
+      toml::node& sigma = there(table.get(key));
+      toml::node* const found = table.get(place.key);
+      const auto refuse = [&](const char* message) {
+        place.row = place.column = -1;
+        return InputError({path_, line_of(sigma)}, fmt::format("{}_sigma: {}", place.name(), message));
+      };
+      if (found == nullptr) throw refuse("there is no number that it goes with");
+      toml::node& number = *found;
+      toml::array* const list = number.as_array();
+      const bool is_list = list != nullptr, is_matrix = is_list && !list->empty() && there(list->get(0)).is_array();
+      for (place.row = is_list ? 0 : -1; place.row < (is_list ? 3 : 0); ++place.row) {
+        const int first = is_matrix ? place.row : -1;
+        for (place.column = first; place.column < (is_matrix ? 3 : 0); ++place.column) {
+          const auto value = value_at(number, place.row, place.column);
+          const auto size = value_at(sigma, place.row, place.column);
+          if (!value || !size) {
+            throw refuse("an uncertainty has the form of its number: one, three, or three rows of three");
+          }
+          if (!(*size >= 0.0)) throw refuse("an uncertainty of 0 or more is wanted");
+          if (is_matrix && *size != value_at(sigma, place.column, place.row)) {
+            throw refuse("found a matrix that is not symmetric; its elements are those of a symmetric one");
+          }
+          place.value = *value, place.sigma = *size;
+          if (*size > 0.0) taken_.push_back(place);
+        }
+      }
+      table.erase(key);
+    }
+  }
+
+  static std::optional<double> value_at(toml::node& node, int row, int column) {
+    const toml::node* const element = element_at(&node, row, column);
+    if (element == nullptr || !element->is_number()) return std::nullopt;
+    const auto value = element->value<double>();
+    return value && std::isfinite(*value) ? value : std::nullopt;
+  }
+
+  const std::string& path_;
+  std::vector<Number>& taken_;
+};
 
 /// Whether the text begins with a character from U+FB26 to U+FEFE: toml++ takes them for impossible where it looks for
 /// white space, which is undefined behaviour.
@@ -153,13 +254,21 @@ void refuse_what_breaks_the_parser(std::string_view text, const std::string& pat
 }  // namespace
 
 TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
+  std::vector<NumberWithSigma> none;
+  return parse_with_sigmas(text, path, {}, none);
+}
+
+TomlTable TomlTable::parse_with_sigmas(std::string_view text, const std::string& path,
+                                       std::initializer_list<std::string_view> sections,
+                                       std::vector<NumberWithSigma>& taken) {
   constexpr std::size_t most_bytes = 16U << 20U;
   if (text.size() > most_bytes) {
     throw InputError({path, 0}, fmt::format("is too large for TOML: at most {} MiB are read", most_bytes >> 20U));
   }
   refuse_what_breaks_the_parser(text, path);
   try {
-    auto document = std::make_shared<const toml::table>(toml::parse(text, path));
+    auto document = std::make_shared<toml::table>(toml::parse(text, path));
+    for (const std::string_view section : sections) SigmaTaker(path, taken).take(*document, section);
     return TomlTable(std::make_shared<const Node>(Node{document, document.get(), path, ""}));
   } catch (const toml::parse_error& problem) {
     const std::size_t line = problem.source().begin.line;
@@ -169,6 +278,31 @@ TomlTable TomlTable::parse(std::string_view text, const std::string& path) {
     }
     throw InputError({path, line}, fmt::format("not valid TOML: {}", std::string(problem.description())));
   }
+}
+
+std::string TomlTable::NumberWithSigma::name() const {
+  std::string out = fmt::format("{}.{}.{}", section, table, key);
+  if (row >= 0) out += fmt::format(".{}", "xyz"[row]);
+  if (column >= 0) out += "xyz"[column];
+  return out;
+}
+
+TomlTable TomlTable::with_values(std::span<const NumberWithSigma> numbers) const {
+  auto document = std::make_shared<toml::table>(*node_->document);
+  for (const NumberWithSigma& number : numbers) {
+    toml::table& table = table_at(*document, number);
+    if (number.row < 0) {
+      table.insert_or_assign(number.key, number.value);
+      continue;
+    }
+    for (const auto& [row, column] : {std::pair(number.row, number.column), std::pair(number.column, number.row)}) {
+      if (row < 0) continue;
+      toml::array& list = there(there(table.get(number.key)).as_array());
+      toml::array& numbers_of = column < 0 ? list : there(there(list.get(static_cast<std::size_t>(row))).as_array());
+      numbers_of.replace(numbers_of.cbegin() + (column < 0 ? row : column), number.value);
+    }
+  }
+  return TomlTable(std::make_shared<const Node>(Node{document, document.get(), node_->path, ""}));
 }
 
 bool TomlTable::has(std::string_view key) const { return node_->table->contains(key); }

@@ -21,6 +21,25 @@ class TomlTable {
   /// The document's root table. `path` is for messages.
   static TomlTable parse(std::string_view text, const std::string& path);
 
+  /// A number in a table of a section of a document, beside which its uncertainty stands under KEY_sigma.
+  struct NumberWithSigma {
+    std::string section, table;  ///< [[section]] number `table` from 1, or [section.table]
+    std::string key;             ///< of a number, of a list of three, or of a symmetric matrix of three rows
+    int row = -1, column = -1;   ///< of the list or matrix; -1: there is none
+    double value = 0.0, sigma = 0.0;
+
+    /// "torque.2.quality_factor", "torque.1.torque_n_m.x", "orbit.earth.mu_m3_s2"
+    std::string name() const;
+  };
+  /// The same of a document in which the tables of these sections may hold uncertainties: those that are not 0 are
+  /// taken out of it. Throws InputError where a sigma has no number, another form, or is negative.
+  static TomlTable parse_with_sigmas(std::string_view text, const std::string& path,
+                                     std::initializer_list<std::string_view> sections,
+                                     std::vector<NumberWithSigma>& taken);
+  /// The document, of which this is the root, with their `value`s in the place of those numbers. Messages about it name
+  /// no lines.
+  TomlTable with_values(std::span<const NumberWithSigma> numbers) const;
+
   bool has(std::string_view key) const;
   bool is_number(std::string_view key) const;
   bool is_array(std::string_view key) const;

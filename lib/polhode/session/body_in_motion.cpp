@@ -46,6 +46,7 @@ MotionAccount BodyInMotion::account_between(Instant start, Instant stop, TimeSca
 BodyInMotion free_motion_of(Body body, Frame frame, const Method& method) {
   BodyInMotion moving;
   moving.free = free_body(body, frame);
+  moving.uncertainty = body.uncertainty;
   moving.body = std::move(body);
   moving.frame = frame;
   moving.motion = method.make(moving.free);
@@ -70,6 +71,38 @@ Plan plan_of(const Scene& scene, bool full) {
                      full, uncertain_at_end_rad(scene));
 }
 
+namespace {
+
+/// What is not known of the body, and behind it what is not of the torques.
+std::shared_ptr<const Uncertainty> with_torques(const Scene& scene) {
+  const UncertainTorques& torques = *scene.uncertain;
+  Uncertainty all = scene.body.uncertainty ? *scene.body.uncertainty : Uncertainty{};
+  const auto of_body = static_cast<Eigen::Index>(all.numbers.size());
+  const auto of_torques = static_cast<Eigen::Index>(torques.numbers.size());
+  all.numbers.insert(all.numbers.end(), torques.numbers.begin(), torques.numbers.end());
+  all.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(of_body + of_torques, of_body + of_torques));
+  all.covariance.bottomRightCorner(of_torques, of_torques) = independent(torques.sigmas);
+  Body exact = scene.body;
+  exact.uncertainty.reset();
+  all.body_with = [of_body, of_torques, with = all.body_with, exact,
+                   uncertain = scene.uncertain](const Eigen::VectorXd& values) {
+    uncertain->torques_with(values.tail(of_torques));  // refuses what no torque has
+    return with ? with(values.head(of_body)) : exact;
+  };
+  return std::make_shared<const Uncertainty>(std::move(all));
+}
+
+/// Those of other torques in the same order that the plan keeps.
+Torques kept_of(const Plan& plan, const Torques& torques) {
+  std::vector<Torque> kept;
+  for (std::size_t i = 0; i < plan.effects.size(); ++i) {
+    if (plan.effects[i].kept) kept.push_back(torques.list()[i]);
+  }
+  return Torques(std::move(kept));
+}
+
+}  // namespace
+
 BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std::size_t> most_evaluations) {
   BodyInMotion moving;
   moving.body = scene.body;
@@ -83,9 +116,21 @@ BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std:
       planned_motion(plan, moving.free, scene.first_s, scene.last_s,
                      most_evaluations.value_or(full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations));
   moving.motion = std::move(planned.motion);
-  moving.motion_of = [plan, first_s = scene.first_s, last_s = scene.last_s, full](const FreeBody& other) {
+  moving.uncertainty = scene.uncertain ? with_torques(scene) : scene.body.uncertainty;
+  moving.motion_of = [plan, first_s = scene.first_s, last_s = scene.last_s, full, uncertain = scene.uncertain](
+                         const FreeBody& other, const Eigen::VectorXd& numbers, double tolerance_rad) {
     const std::size_t most = full ? kMostTorqueEvaluationsInFull : kMostTorqueEvaluations;
-    return std::shared_ptr<const Motion>(planned_motion(plan, other, first_s, last_s, most).motion);
+    Plan own = plan;
+    if (uncertain) {
+      const auto of_torques = static_cast<Eigen::Index>(uncertain->numbers.size());
+      own.kept = kept_of(plan, uncertain->torques_with(numbers.tail(of_torques)));
+    }
+    if (tolerance_rad < plan.tolerance_rad && own.kept.smooth()) {
+      own.tolerance_rad = tolerance_rad;
+      own.few_kicks = false;
+    }
+    own.torque_evaluations.reset();
+    return std::shared_ptr<const Motion>(planned_motion(own, other, first_s, last_s, most).motion);
   };
   moving.account = [account = std::move(planned.account)](double, double) { return account; };
   return moving;

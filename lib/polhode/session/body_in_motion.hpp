@@ -23,8 +23,11 @@ struct BodyInMotion {
   /// What to say of the states between two times, seconds from the epoch.
   std::function<MotionAccount(double first_s, double last_s)> account;
   bool under_torques = false;
-  /// Under torques: the motion of another body at the same epoch, as planned for this one.
-  std::function<std::shared_ptr<const Motion>(const FreeBody&)> motion_of;
+  std::shared_ptr<const Uncertainty> uncertainty;  ///< the body's, and behind it that of the torques; null: exact
+  /// Under torques: the motion of another body at the same epoch, as planned for this one, or to a finer tolerance
+  /// where all torques are smooth. `numbers` are the values of `uncertainty`.
+  std::function<std::shared_ptr<const Motion>(const FreeBody&, const Eigen::VectorXd& numbers, double tolerance_rad)>
+      motion_of;
   double first_s = 0.0, last_s = 0.0;  ///< under torques: the span that the motion was made for
 
   /// The same between two instants. Throws InputError where they lie outside of the span.
@@ -50,6 +53,9 @@ struct CovarianceRows {
   CovarianceOfAttitude rows;
   std::optional<std::string> caution;
 };
+
+/// How far motions that are displaced by uncertainties may be off: a part in a hundred of a sigma of 1e-5 rad.
+inline constexpr double kDisplacedTolerance_rad = 1e-7;
 
 /// Between two times, seconds from the epoch. Of a free motion by its exact partial derivatives; under torques by
 /// motions that are displaced by a part of a sigma both ways. Throws InputError for a body without an uncertainty.

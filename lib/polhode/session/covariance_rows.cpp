@@ -18,16 +18,19 @@ namespace {
 /// part of the uncertainty, both ways.
 class DisplacedCovariance {
  public:
-  explicit DisplacedCovariance(const BodyInMotion& moving) : centre_{moving.free, moving.motion} {
-    if (!moving.body.uncertainty) throw InputError("the body has no uncertainty, and --covariance needs one");
-    const Uncertainty& uncertainty = *moving.body.uncertainty;
+  explicit DisplacedCovariance(const BodyInMotion& moving) {
+    if (!moving.uncertainty) throw InputError("the body has no uncertainty, and --covariance needs one");
+    const Uncertainty& uncertainty = *moving.uncertainty;
     const Eigen::MatrixXd root = uncertainty.root();
+    centre_ = {moving.free, moving.motion_of(moving.free, uncertainty.values(), kDisplacedTolerance_rad)};
     std::vector<double> z(static_cast<std::size_t>(root.cols()), 0.0);
     for (double& part : z) {
       for (const double displacement : {kDisplacement, -kDisplacement}) {
         part = displacement;
-        const FreeBody body = free_body(uncertainty.clone(root, z), moving.frame);
-        displaced_.push_back({body, moving.motion_of(body)});
+        const Eigen::VectorXd numbers =
+            uncertainty.values() + root * Eigen::Map<const Eigen::VectorXd>(z.data(), root.cols());
+        const FreeBody body = free_body(uncertainty.body_with(numbers), moving.frame);
+        displaced_.push_back({body, moving.motion_of(body, numbers, kDisplacedTolerance_rad)});
       }
       part = 0.0;
     }

@@ -26,6 +26,7 @@ namespace {
 constexpr std::size_t kAtOnce = 512;  // clones that a thread works on; a multiple of a block of bodies
 constexpr std::size_t kAtOnceUnderTorques = 4;
 constexpr std::chrono::milliseconds kWave{100};  // how long threads go on before their sums are added up
+constexpr double kAsPlanned_rad = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kMostAttempts = 1000;
 
 std::vector<double> times_of(const Sample& sample) {
@@ -52,12 +53,18 @@ struct ElapsedTimes {
 struct Clones {
   std::uint64_t first = 0;
   std::vector<FreeBody> bodies;
+  std::vector<Eigen::VectorXd> numbers;
 };
 
 Clones drawn_clones(const CloneSource& source, std::uint64_t first, std::uint64_t last) {
-  Clones clones{first, {}};
+  Clones clones{first, {}, {}};
   clones.bodies.reserve(last - first);
-  for (std::uint64_t i = first; i < last; ++i) clones.bodies.push_back(source.clone(i));
+  clones.numbers.reserve(last - first);
+  for (std::uint64_t i = first; i < last; ++i) {
+    CloneSource::Clone clone = source.clone(i);
+    clones.bodies.push_back(clone.body);
+    clones.numbers.push_back(std::move(clone.numbers));
+  }
   return clones;
 }
 
@@ -77,7 +84,7 @@ void states_of_clones(const Sample& sample, const Clones& clones, const ElapsedT
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     try {
-      sample.moving.motion_of(bodies[i])->batch(instants, part_of(out, i * count));
+      sample.moving.motion_of(bodies[i], clones.numbers[i], kAsPlanned_rad)->batch(instants, part_of(out, i * count));
     } catch (const ComputationError& error) {
       throw ComputationError(fmt::format("clone {}: {}", clones.first + i, error.what()));
     }
@@ -136,8 +143,8 @@ void clone_states(const Sample& sample, const Clones& clones, const ElapsedTimes
 
 }  // namespace
 
-CloneSource::CloneSource(const Body& body, Frame frame, std::uint64_t seed, std::span<const UniformNumber> uniform)
-    : frame_(frame), seed_(seed), uncertainty_(body.uncertainty), published_(free_body(body, frame)) {
+CloneSource::CloneSource(const BodyInMotion& moving, std::uint64_t seed, std::span<const UniformNumber> uniform)
+    : frame_(moving.frame), seed_(seed), uncertainty_(moving.uncertainty), published_(moving.free) {
   if (!uncertainty_) {
     throw InputError(
         "has no uncertainties to draw clones from; a sigma beside a number (components_sigma = ...), or "
@@ -165,7 +172,7 @@ CloneSource::CloneSource(const Body& body, Frame frame, std::uint64_t seed, std:
   values_ = normal.values();
 }
 
-FreeBody CloneSource::clone(std::uint64_t number) const {
+CloneSource::Clone CloneSource::clone(std::uint64_t number) const {
   const std::size_t count = widths_.size();
   std::string why;
   for (std::uint32_t attempt = 0; attempt < kMostAttempts; ++attempt) {
@@ -177,7 +184,9 @@ FreeBody CloneSource::clone(std::uint64_t number) const {
       within[place] = widths_[i] * (p - 0.5);
     }
     try {
-      return free_body(uncertainty_->body_with(values_ + root_ * z + within), frame_);
+      Eigen::VectorXd numbers = values_ + root_ * z + within;
+      const FreeBody body = free_body(uncertainty_->body_with(numbers), frame_);
+      return {body, std::move(numbers)};
     } catch (const InputError& error) {
       why = error.what();
     }
@@ -216,14 +225,14 @@ SampleState empty_state(const Sample& sample, SamplePart part) {
   state.next = part.first;
   state.at.resize(grid.size());
   state.published.resize(grid.size());
-  const CloneSource source(sample.moving.body, sample.moving.frame, sample.seed, sample.uniform);
-  clone_states(sample, Clones{0, {source.published()}}, ElapsedTimes(sample),
+  const CloneSource source(sample.moving, sample.seed, sample.uniform);
+  clone_states(sample, Clones{0, {source.published().body}, {source.published().numbers}}, ElapsedTimes(sample),
                [&](std::size_t, std::size_t j, const CloneState& clone) { state.published[j] = clone; });
   return state;
 }
 
 void continue_sample(const Sample& sample, SampleState& state, unsigned thread_count, const SampleProgress& progress) {
-  const CloneSource source(sample.moving.body, sample.moving.frame, sample.seed, sample.uniform);
+  const CloneSource source(sample.moving, sample.seed, sample.uniform);
   const ElapsedTimes times(sample);
   if (thread_count == 0) thread_count = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t at_once = sample.moving.under_torques ? kAtOnceUnderTorques : kAtOnce;
@@ -287,7 +296,7 @@ void write_sample_rows(const std::string& path, const Sample& sample, SamplePart
   text("SEED", "seed", fmt::format("{}", about.seed), "key of Philox4x32-10");
   const std::size_t times = about.dates.size(), width = table.width();
   table.rows = static_cast<std::size_t>(part.last - part.first) * times;
-  const CloneSource source(sample.moving.body, sample.moving.frame, sample.seed, sample.uniform);
+  const CloneSource source(sample.moving, sample.seed, sample.uniform);
   const ElapsedTimes elapsed(sample);
   const auto fill = [&](std::size_t first, std::span<double> out) {
     const std::size_t last = first + out.size() / width;

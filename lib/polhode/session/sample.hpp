@@ -23,11 +23,15 @@ struct UniformNumber {
 /// drawn again.
 class CloneSource {
  public:
-  /// Throws InputError for a body without uncertainties, an unknown name, or a width that is not positive.
-  CloneSource(const Body& body, Frame frame, std::uint64_t seed, std::span<const UniformNumber> uniform = {});
+  /// Throws InputError where nothing is uncertain, for an unknown name, or a width that is not positive.
+  CloneSource(const BodyInMotion& moving, std::uint64_t seed, std::span<const UniformNumber> uniform = {});
 
-  FreeBody clone(std::uint64_t number) const;
-  const FreeBody& published() const { return published_; }
+  struct Clone {
+    FreeBody body;
+    Eigen::VectorXd numbers;  ///< of which it was made: those of the body's uncertainty
+  };
+  Clone clone(std::uint64_t number) const;
+  Clone published() const { return {published_, values_}; }
 
  private:
   Frame frame_;
