@@ -1,5 +1,7 @@
 """`polhode observe` and Motion.observe: geometry against the SPICE toolkit and astropy, brightness of Toutatis in 1992."""
 
+import subprocess
+
 import erfa
 import numpy as np
 import pytest
@@ -262,6 +264,29 @@ def test_program_and_package_say_the_same(tmp_path):
     assert list(rows) == table.colnames[1:]
     for name, values in rows.items():
         assert np.allclose(values, table[name], rtol=0, atol=1e-9 * np.abs(values).max()), name
+
+
+def test_fits_holds_what_ecsv_does(tmp_path):
+    """Rows in any order, with columns of numbers and of words that are kept."""
+    dates = ["1992-12-05T01:00:00.5", "1992-12-04T22:00:00", "1992-12-05T03:00:00"]
+    lines = ["date_utc,who,flux", *(f"{date},{who},{k}.5" for k, (date, who) in enumerate(zip(dates, ("Spencer", "de Pater", "Spencer"))))]
+    (tmp_path / "times.csv").write_text("\n".join(lines) + "\n")
+    for ending in ("ecsv", "fits"):
+        run("observe", TOUTATIS, "--target", WAY, "--times", tmp_path / "times.csv", "-o", tmp_path / f"rows.{ending}",
+            "--scale", "UTC", "--shape", ELLIPSOID)  # fmt: skip
+    text = Table.read(tmp_path / "rows.ecsv")
+    fits = Table.read(tmp_path / "rows.fits", hdu="OBSERVED", astropy_native=True)
+    assert fits.colnames == ["TIME", *text.colnames[1:]]
+    assert fits["TIME"].scale == "utc" and np.abs((fits["TIME"] - text["date_utc"]).to_value("s")).max() < 1e-6
+    assert [str(who).strip() for who in fits["who"]] == list(text["who"])
+    for name in text.colnames[1:]:
+        if name != "who":
+            assert np.array_equal(fits[name], text[name]) and fits[name].unit == text[name].unit, name
+    assert fits.meta["OBJECT"] == "4179 Toutatis"
+    with subprocess.Popen(["fitsverify", "-q", tmp_path / "rows.fits"], stdout=subprocess.PIPE, text=True) as verified:
+        assert "OK" in verified.stdout.read()
+    refused = run("observe", TOUTATIS, "--target", WAY, "-o", tmp_path / "rows.txt", "--stop", "+1 d", "--count", 2, check=False)
+    assert refused.returncode == 2 and ".fits .fit (FITS)" in refused.stderr
 
 
 def test_many_rows_are_interpolated_and_still_right():

@@ -28,6 +28,7 @@
 #include "polhode/session/sky_request.hpp"
 #include "polhode/write/column_table.hpp"
 #include "polhode/write/date_text.hpp"
+#include "polhode/write/number_table.hpp"
 #include "subcommands.hpp"
 #include "utc.hpp"
 #include "whole_number.hpp"
@@ -198,12 +199,7 @@ AxisConvention convention_of(const std::string& name) {
 }
 
 void observe_body(const ObserveOptions& options) {
-  if (options.output != "-" && !is_column_table(options.output)) {
-    throw OptionError(
-        fmt::format("the ending of '{}' names no format; allowed are .csv, .ecsv, or - for CSV on "
-                    "standard output",
-                    options.output));
-  }
+  if (options.output != "-") in_option("-o", [&] { check_number_table_path(options.output); });
   std::vector<std::string> inputs{options.times, options.target, options.observer,
                                   options.sun,   options.shape,  leap_seconds_file()};
   const std::variant<Scene, BodyAndHistory> input = read_scene_or_body(options.body_file, [&](const std::string& path) {
@@ -261,6 +257,7 @@ void observe_body(const ObserveOptions& options) {
   table.scale = scale;
   table.decimals = rows.decimals;
   table.dates = std::move(rows.dates);
+  table.instants = rows.instants;
   for (ObservedColumn& column : columns) table.numbers.push_back({column.name, std::move(column.values)});
   if (rows.table) {
     for (std::size_t k = 0; k < rows.table->names.size(); ++k) {
@@ -279,8 +276,7 @@ void observe_body(const ObserveOptions& options) {
     table.about.emplace_back("shape", wanted.photometry->shape->description());
     table.about.emplace_back("law", options.law);
   }
-  write_column_table(options.output == "-" ? "/dev/stdout" : options.output, table,
-                     lower_case(options.output).ends_with(".ecsv"));
+  write_column_table(options.output == "-" ? "/dev/stdout" : options.output, table);
   say(fmt::format("{}: {} rows", options.output == "-" ? "standard output" : options.output, table.dates.size()));
   if (wanted.photometry) say("brightness of " + wanted.photometry->shape->description() + ", law " + options.law);
   if (dark > 0) say(fmt::format("note: in {} rows nothing is both lit and seen: the magnitude is inf", dark));
@@ -345,7 +341,9 @@ void add_observe(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--trajectory-frame", options->trajectory_frame,
                       "Frame of trajectories in tables of text, which name none; ICRF unless given");
-  command->add_option("-o,--output", options->output, "Output: .csv, .ecsv, or - for CSV on standard output")
+  command
+      ->add_option("-o,--output", options->output,
+                   fmt::format("Output: {}, or - for CSV on standard output", endings_of_number_tables()))
       ->required();
   command->add_option("--start", options->start,
                       "First time of reception: a date with its scale, now, or +SPAN or -SPAN from the body's epoch, "

@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
+#include "polhode/ephemeris/time_grid.hpp"
 #include "polhode/write/document.hpp"
+#include "polhode/write/number_table.hpp"
 #include "polhode/write/number_text.hpp"
 #include "polhode/write/output_file.hpp"
 
@@ -32,6 +35,11 @@ std::string kept_cell(const std::string& text) {
   return out + "\"";
 }
 
+bool are_numbers(const ColumnTable::KeptColumn& column) {
+  return std::all_of(column.cells.begin(), column.cells.end(),
+                     [](const std::string& cell) { return parse_number(cell).has_value(); });
+}
+
 std::string header_of(const ColumnTable& table, const std::string& date, const std::string& scale) {
   std::string out = "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n";
   out += fmt::format("# - {{name: {}, datatype: string}}\n", date);
@@ -40,9 +48,8 @@ std::string header_of(const ColumnTable& table, const std::string& date, const s
     out += fmt::format("# - {{name: {}, datatype: float64{}{}}}\n", column.name, unit.empty() ? "" : ", unit: ", unit);
   }
   for (const auto& column : table.kept) {
-    const bool numbers = std::all_of(column.cells.begin(), column.cells.end(),
-                                     [](const std::string& cell) { return parse_number(cell).has_value(); });
-    out += fmt::format("# - {{name: {}, datatype: {}}}\n", double_quoted(column.name), numbers ? "float64" : "string");
+    out += fmt::format("# - {{name: {}, datatype: {}}}\n", double_quoted(column.name),
+                       are_numbers(column) ? "float64" : "string");
   }
   out += "# meta: !!omap\n";
   for (const auto& [key, text] : table.about) out += fmt::format("# - {{{}: {}}}\n", key, double_quoted(text));
@@ -54,16 +61,73 @@ std::string header_of(const ColumnTable& table, const std::string& date, const s
   return out;
 }
 
-}  // namespace
-
-bool is_column_table(const std::string& path) {
-  const std::string lower = lower_case(path);
-  return lower.ends_with(".csv") || lower.ends_with(".ecsv");
+/// A column of texts as their places among those that differ.
+NumberColumn labels_of(const ColumnTable::KeptColumn& column, std::vector<double>& places) {
+  NumberColumn out{column.name, {column.name}, "", NumberColumn::Kind::label, {}};
+  std::map<std::string_view, double> known;
+  for (const std::string& cell : column.cells) {
+    const auto [at, is_new] = known.emplace(cell, static_cast<double>(out.labels.size()));
+    if (is_new) out.labels.push_back(cell);
+    places.push_back(at->second);
+  }
+  return out;
 }
 
-void write_column_table(const std::string& path, const ColumnTable& table, bool ecsv) {
-  if (ecsv && (table.scale == TimeScale::et || table.scale == TimeScale::gps)) {
+void write_fits_columns(const std::string& path, const ColumnTable& table) {
+  NumberTable out;
+  out.extension = "OBSERVED";
+  out.rows = table.dates.size();
+  std::vector<Instant> sorted = table.instants;
+  std::sort(sorted.begin(), sorted.end());
+  sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
+  const TimeGrid grid = TimeGrid::of_list(sorted, table.scale);
+  std::vector<std::vector<double>> columns(1);
+  for (const Instant& instant : table.instants) {
+    const auto at = std::lower_bound(sorted.begin(), sorted.end(), instant) - sorted.begin();
+    columns[0].push_back(grid.time(static_cast<std::size_t>(at), {}).high);
+  }
+  out.columns.push_back({"TIME", {"time"}, "s"});
+  for (const auto& column : table.numbers) {
+    out.columns.push_back({column.name, {column.name}, std::string(unit_of(column.name))});
+    columns.push_back(column.values);
+  }
+  for (const auto& column : table.kept) {
+    std::vector<double>& values = columns.emplace_back();
+    if (are_numbers(column)) {
+      out.columns.push_back({column.name, {column.name}, ""});
+      for (const std::string& cell : column.cells) values.push_back(*parse_number(cell));
+    } else {
+      out.columns.push_back(labels_of(column, values));
+    }
+  }
+  const auto text = [&out](const char* keyword, const std::string& value, const char* comment) {
+    out.entries.push_back({keyword, "", value, 0.0, false, comment});
+  };
+  text("TIMESYS", std::string(name(table.scale)), "time scale of TIME, of reception");
+  out.entries.push_back({"MJDREF", "", "", grid.reference_mjd(), true, "[d] TIME counts from this MJD"});
+  text("TIMEUNIT", "s", "unit of TIME");
+  for (const auto& [key, value] : table.about) {
+    if (key == "object") {
+      text("OBJECT", value, "body");
+    } else {
+      out.comments.push_back(key + ": " + value);
+    }
+  }
+  write_number_table(path, out, [&columns](std::size_t first, std::span<double> to) {
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = columns[i % columns.size()][first + i / columns.size()];
+  });
+}
+
+}  // namespace
+
+void write_column_table(const std::string& path, const ColumnTable& table) {
+  const bool ecsv = lower_case(path).ends_with(".ecsv"), fits = is_fits_path(path);
+  if ((ecsv || fits) && (table.scale == TimeScale::et || table.scale == TimeScale::gps)) {
     throw TimeScaleError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(table.scale)));
+  }
+  if (fits) {
+    write_fits_columns(path, table);
+    return;
   }
   const std::string scale = lower_case(name(table.scale)), date = "date_" + scale;
   OutputBytes file(path);

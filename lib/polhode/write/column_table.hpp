@@ -22,16 +22,14 @@ struct ColumnTable {
   TimeScale scale = TimeScale::tdb;
   int decimals = 3;                   ///< of the dates' seconds
   std::vector<std::string> dates;     ///< the first column, date_tdb or the like
+  std::vector<Instant> instants;      ///< the same, which FITS has as numbers
   std::vector<NumberColumn> numbers;  ///< named with their units: range_m, phase_deg
   std::vector<KeptColumn> kept;
-  std::vector<std::pair<std::string, std::string>> about;  ///< for the header of ECSV, keys and texts
+  std::vector<std::pair<std::string, std::string>> about;  ///< for the header, keys and texts
 };
 
-/// Whether a path ends as one of the two formats: ".csv" or ".ecsv", in any case.
-bool is_column_table(const std::string& path);
-
-/// As CSV or, where `ecsv`, with the header that astropy.table reads. Throws FileError; InputError for a time scale
-/// that astropy does not know.
-void write_column_table(const std::string& path, const ColumnTable& table, bool ecsv);
+/// As FITS, CSV or ECSV (with the header that astropy.table reads), by the path's ending; another one is CSV. Throws
+/// FileError; InputError for a time scale that the format's readers misread.
+void write_column_table(const std::string& path, const ColumnTable& table);
 
 }  // namespace polhode
