@@ -1,6 +1,7 @@
 """What the checks share: running the program, and attitudes by independent means."""
 
 import os
+import signal
 import subprocess
 from pathlib import Path
 
@@ -8,6 +9,11 @@ import erfa
 import mpmath
 import numpy as np
 from astropy.time import Time
+
+# What is run in the background by a shell ignores these signals, and so would the programs that the checks start.
+for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
+    if signal.getsignal(number) == signal.SIG_IGN:
+        signal.signal(number, signal.default_int_handler if number == signal.SIGINT else signal.SIG_DFL)
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = Path(os.environ.get("POLHODE", ROOT / "build/bin/polhode")).resolve()

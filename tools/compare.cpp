@@ -55,7 +55,7 @@ void run(const Options& options) {
                                    ? HUGE_VAL
                                    : in_option("--tolerance", [&] { return parse_angle_rad(options.tolerance); });
   if (!(tolerance_rad >= 0.0)) {
-    throw OptionError(fmt::format("--tolerance is '{}', an angle of 0 or more is wanted", options.tolerance));
+    throw OptionError(fmt::format("--tolerance is '{:.60}', an angle of 0 or more is wanted", options.tolerance));
   }
   const BodyAndHistory first = read_body_and_history(options.first), second = read_body_and_history(options.second);
   const std::optional<AttitudeHistory>&a = first.history, &b = second.history;

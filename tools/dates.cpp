@@ -40,8 +40,9 @@ Instant wanted_date(const std::string& text, Instant from, const DateRule& rule,
     try {
       format_date(out, rule.rows, 0);
     } catch (const InputError&) {
-      throw InputError(fmt::format("'{}' leads from {} {} out of the years 0000 to 9999, in which dates are allowed",
-                                   text, format_date(from, rule.rows, 0), name(rule.rows)));
+      throw InputError(
+          fmt::format("'{:.60}' leads from {} {} out of the years 0000 to 9999, in which dates are allowed", text,
+                      format_date(from, rule.rows, 0), name(rule.rows)));
     }
   } else if (is_span(text)) {
     throw InputError(

@@ -56,7 +56,7 @@ SamplePart part_of(const SampleOptions& options) {
     const auto number = [&](std::string_view text) {
       const auto value = parse_integer(text);
       if (!value || *value < 1) {
-        throw InputError(fmt::format("'{}' is no part; one of 1/K to K/K is wanted", options.part));
+        throw InputError(fmt::format("'{:.60}' is no part; one of 1/K to K/K is wanted", options.part));
       }
       return static_cast<std::uint64_t>(*value);
     };
@@ -72,7 +72,7 @@ std::vector<UniformNumber> uniform_of(const SampleOptions& options) {
     for (const std::string& text : options.uniform) {
       const std::size_t equals = text.find('=');
       const auto width = equals == std::string::npos ? std::nullopt : parse_number(text.substr(equals + 1));
-      if (!width) throw InputError(fmt::format("'{}' is not NAME=WIDTH", text));
+      if (!width) throw InputError(fmt::format("'{:.60}' is not NAME=WIDTH", text));
       out.push_back({text.substr(0, equals), *width});
     }
     return out;

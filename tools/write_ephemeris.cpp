@@ -64,12 +64,12 @@ const EphemerisFormat& format_of(const OutputOptions& options) {
   const EphemerisFormat* format = ephemeris_format_of(options.format.empty() ? options.path : "." + options.format);
   const auto is_ending = [&](std::string_view ending) { return lower_case("." + options.format) == ending; };
   if (options.format.empty() && format == nullptr) {
-    throw OptionError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
+    throw OptionError(fmt::format("the ending of '{:.60}' names no format, and there is no --format; allowed are {}",
                                   options.path, endings_of_formats()));
   }
   if (!options.format.empty() &&
       (format == nullptr || std::none_of(format->endings.begin(), format->endings.end(), is_ending))) {
-    throw OptionError(fmt::format("--format '{}' is no format; allowed are, without the dot, {}", options.format,
+    throw OptionError(fmt::format("--format '{:.60}' is no format; allowed are, without the dot, {}", options.format,
                                   endings_of_formats()));
   }
   return *format;

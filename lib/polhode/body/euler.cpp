@@ -38,7 +38,7 @@ EulerSequence::EulerSequence(std::string_view name) : axes_{} {
   }
   if (!good) {
     throw InputError(fmt::format(
-        "'{}' is not an Euler sequence; allowed: three of X, Y, Z (or 1, 2, 3), no two neighbours alike, as in ZXZ",
+        "'{:.60}' is not an Euler sequence; allowed: three of X, Y, Z (or 1, 2, 3), no two neighbours alike, as in ZXZ",
         name));
   }
 }

@@ -48,8 +48,9 @@ Frame named_frame(std::string_view text, const char* what, std::initializer_list
   }
   std::string more;
   for (const Frame other : others) more += fmt::format(", {}", name(other));
-  throw InputError(fmt::format(
-      "'{}' is not {}; allowed: ICRF (or J2000, ICRS), GCRF, EME2000, ECLIPJ2000, ECLIPIAU2006{}", text, what, more));
+  throw InputError(
+      fmt::format("'{:.60}' is not {}; allowed: ICRF (or J2000, ICRS), GCRF, EME2000, ECLIPJ2000, ECLIPIAU2006{}", text,
+                  what, more));
 }
 
 // An ERFA matrix takes components in ICRF to components in the frame: q is of its transpose.

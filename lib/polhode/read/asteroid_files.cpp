@@ -22,7 +22,7 @@ namespace {
 
 double number_in(std::string_view word, const SourceLocation& where, std::string_view what) {
   const std::optional<double> value = parse_number(trimmed(word));
-  if (!value) throw InputError(where, fmt::format("{}: '{}' is not a number", what, word));
+  if (!value) throw InputError(where, fmt::format("{}: '{:.60}' is not a number", what, word));
   return *value;
 }
 
@@ -213,8 +213,8 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
     for (const std::string& name : names) {
       if (std::find(known.begin(), known.end(), name) == known.end() &&
           std::find(bookkeeping.begin(), bookkeeping.end(), name) == bookkeeping.end()) {
-        throw table.error(fmt::format("the column '{}' of a table of tumblers is unknown; known are {} and {}", name,
-                                      fmt::join(known, ", "), fmt::join(bookkeeping, ", ")));
+        throw table.error(fmt::format("the column '{:.60}' of a table of tumblers is unknown; known are {} and {}",
+                                      name, fmt::join(known, ", "), fmt::join(bookkeeping, ", ")));
       }
     }
   }
@@ -222,7 +222,7 @@ Body parse_damit_table(std::string_view text, const std::string& path, const std
       tumbler ? std::vector<std::string_view>{"lambda", "beta", "phi0", "psi0", "p_phi", "p_psi", "i1", "i2", "jd0"}
               : std::vector<std::string_view>{"lambda", "beta", "period", "phi0", "jd0"};
   for (const std::string_view name : wanted) {
-    if (!has_all(names, {name})) throw table.error(fmt::format("the column '{}' is missing", name));
+    if (!has_all(names, {name})) throw table.error(fmt::format("the column '{:.60}' is missing", name));
   }
   // The row asked for, or the only one.
   std::map<std::string, std::string> cells;

@@ -127,7 +127,7 @@ bool components_in_frame(const TomlTable& table, const SpinState& state) {
   const std::string axes = table.text("axes");
   if (axes == "body") return false;
   if (axes != "frame") {
-    throw table.error("axes", fmt::format("found '{}'; allowed: 'body' (x, y, z of the inertia) or 'frame' (the "
+    throw table.error("axes", fmt::format("found '{:.60}'; allowed: 'body' (x, y, z of the inertia) or 'frame' (the "
                                           "inertial frame of the state)",
                                           axes));
   }
@@ -170,8 +170,9 @@ void read_angular_momentum(const TomlTable& table, Body& body, UncertainNumbers&
   if (!body.inertia) throw table.error("components", "an angular momentum needs an [inertia] table");
   const Inertia& inertia = *body.inertia;
   if (unit.absolute != inertia.absolute) {
-    throw table.error("unit", fmt::format("found '{}', but the inertia is in {}; both must be absolute, or both ratios",
-                                          unit_name, inertia.absolute ? "absolute units" : "ratios"));
+    throw table.error("unit",
+                      fmt::format("found '{:.60}', but the inertia is in {}; both must be absolute, or both ratios",
+                                  unit_name, inertia.absolute ? "absolute units" : "ratios"));
   }
   const bool in_frame = components_in_frame(table, *body.state);
   const std::size_t place = numbers.add(table, "components", {"x", "y", "z"});
@@ -352,7 +353,7 @@ void read_spin(const TomlTable& table, Body& body, const BodyFileSurroundings& a
   const auto axis = [&](std::string_view key) {
     const std::string name = table.text(key);
     if (name != "long-axis" && name != "short-axis") {
-      throw table.error(key, fmt::format("found '{}'; allowed: 'long-axis', 'short-axis'", name));
+      throw table.error(key, fmt::format("found '{:.60}'; allowed: 'long-axis', 'short-axis'", name));
     }
     return name == "long-axis";
   };

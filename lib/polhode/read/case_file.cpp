@@ -45,7 +45,8 @@ double case_number(std::string_view word, const SourceLocation& where) {
 template <std::size_t count>
 std::array<double, count> case_numbers(const std::vector<std::string_view>& words, const SourceLocation& where) {
   if (words.size() != count + 1) {
-    throw InputError(where, fmt::format("found {} value(s) after '{}', {} wanted", words.size() - 1, words[0], count));
+    throw InputError(where,
+                     fmt::format("found {} value(s) after '{:.60}', {} wanted", words.size() - 1, words[0], count));
   }
   std::array<double, count> values{};
   for (std::size_t i = 0; i < count; ++i) values[i] = case_number(words[i + 1], where);
@@ -54,7 +55,7 @@ std::array<double, count> case_numbers(const std::vector<std::string_view>& word
 
 template <class Value>
 void set_once(std::optional<Value>& slot, const Value& value, std::string_view key, const SourceLocation& where) {
-  if (slot.has_value()) throw InputError(where, fmt::format("found a second '{}' line, one is allowed", key));
+  if (slot.has_value()) throw InputError(where, fmt::format("found a second '{:.60}' line, one is allowed", key));
   slot = value;
 }
 
@@ -141,7 +142,7 @@ CaseFile parse_case_file(std::string_view text, const std::string& path) {
   }
 
   const auto require = [&](bool present, std::string_view key) {
-    if (!present) throw InputError({path, 0}, fmt::format("no '{}' line found, wanted are {}", key, kLayout));
+    if (!present) throw InputError({path, 0}, fmt::format("no '{:.60}' line found, wanted are {}", key, kLayout));
   };
   require(moments.has_value(), "I");
   require(q.has_value(), "q");

@@ -57,7 +57,7 @@ std::string ccsds_text(std::string_view text) {
 
 double ccsds_number(std::string_view text, const SourceLocation& where) {
   const std::optional<double> value = parse_number(text);
-  if (!value) throw InputError(where, fmt::format("'{}' is not a number", text));
+  if (!value) throw InputError(where, fmt::format("'{:.60}' is not a number", text));
   return *value;
 }
 
@@ -73,8 +73,8 @@ Quaternion ccsds_quaternion(const Eigen::Vector4d& vector_then_scalar, const Sou
 
 Instant CcsdsClock::date(std::string_view text, const SourceLocation& where) const {
   if (!is_date(text)) {
-    throw InputError(where,
-                     fmt::format("'{}' is no date: YYYY-MM-DDThh:mm:ss[.d] or YYYY-DDDThh:mm:ss[.d] is wanted", text));
+    throw InputError(
+        where, fmt::format("'{:.60}' is no date: YYYY-MM-DDThh:mm:ss[.d] or YYYY-DDDThh:mm:ss[.d] is wanted", text));
   }
   return located(where, [&] {
     if (!text.ends_with('Z')) return parse_date(text, scale);

@@ -18,7 +18,7 @@ CcsdsReader::CcsdsReader(const CcsdsMessage& message, const std::string& file) :
   const std::optional<double> version = parse_number(message.version);
   if (!version || (*version != 1.0 && *version != 2.0) || (*version == 1.0 && message.kind == "ACM")) {
     throw InputError({file, message.header.line},
-                     fmt::format("version '{}' of the {} is unknown; {} can be read", message.version, message.kind,
+                     fmt::format("version '{:.60}' of the {} is unknown; {} can be read", message.version, message.kind,
                                  message.kind == "ACM" ? "2.0" : "1.0 and 2.0"));
   }
   version_ = *version == 1.0 ? 1 : 2;

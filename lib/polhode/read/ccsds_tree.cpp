@@ -47,7 +47,8 @@ KvnLine kvn_line(std::string_view text, std::size_t number, const std::string& n
   } else if (const std::size_t equals = content.find('='); equals != std::string_view::npos) {
     const std::string_view keyword = trimmed(content.substr(0, equals));
     if (!is_ccsds_keyword(keyword))
-      throw InputError({name, number}, fmt::format("'{}' is not a keyword (capital letters, digits and _)", keyword));
+      throw InputError({name, number},
+                       fmt::format("'{:.60}' is not a keyword (capital letters, digits and _)", keyword));
     line.kind = KvnLine::Kind::entry;
     line.entry = {std::string(keyword), std::string(trimmed(content.substr(equals + 1))), "", number};
     take_unit(line.entry);

@@ -32,7 +32,7 @@ int axis_index(const TomlTable& table, std::string_view key) {
   const std::string axis = table.text(key);
   const auto at = std::string_view("xyz").find(axis);
   if (axis.size() != 1 || at == std::string_view::npos) {
-    throw table.error(key, fmt::format("'{}' is not an axis; allowed: x, y, z", axis));
+    throw table.error(key, fmt::format("'{:.60}' is not an axis; allowed: x, y, z", axis));
   }
   return static_cast<int>(at);
 }
@@ -155,7 +155,7 @@ ProductsOfInertia products_are(const TomlTable& table) {
   if (are == "positive integrals") return ProductsOfInertia::positive_integrals;
   if (are == "tensor elements") return ProductsOfInertia::tensor_elements;
   throw table.error("products_are",
-                    fmt::format("'{}' is not a sign convention; allowed: 'tensor elements' (Ixy = -integral of x y "
+                    fmt::format("'{:.60}' is not a sign convention; allowed: 'tensor elements' (Ixy = -integral of x y "
                                 "dm) or 'positive integrals' (Ixy = +integral of x y dm)",
                                 are));
 }

@@ -35,13 +35,13 @@ class Lines {
 
   double number(std::string_view word) const {
     const std::optional<double> value = parse_number(word);
-    if (!value) fail(fmt::format("'{}' is not a number", word));
+    if (!value) fail(fmt::format("'{:.60}' is not a number", word));
     return *value;
   }
 
   long long integer(std::string_view word) const {
     const std::optional<long long> value = parse_integer(word);
-    if (!value) fail(fmt::format("'{}' is not an integer", word));
+    if (!value) fail(fmt::format("'{:.60}' is not an integer", word));
     return *value;
   }
 
@@ -144,7 +144,7 @@ TriangleMesh read_ascii_stl(std::string_view content, const std::string& name) {
       if (n != 3 * (mesh.facets.size() + 1)) lines.fail("a facet of an STL file has three vertices");
       mesh.facets.push_back({n - 3, n - 2, n - 1});
     } else if (key != "SOLID" && key != "FACET" && key != "OUTER" && key != "ENDLOOP" && key != "ENDSOLID") {
-      lines.fail(fmt::format("'{}' is not a word of an STL file", words[0]));
+      lines.fail(fmt::format("'{:.60}' is not a word of an STL file", words[0]));
     }
   }
   if (mesh.vertices.size() != 3 * mesh.facets.size()) lines.fail("the file ends within a facet");
@@ -208,7 +208,7 @@ PlyType ply_type(std::string_view word, const Lines& lines) {
   for (const auto& [name, type] : names) {
     if (name == word) return type;
   }
-  lines.fail(fmt::format("'{}' is not a PLY type (char, uchar, short, ushort, int, uint, float, double)", word));
+  lines.fail(fmt::format("'{:.60}' is not a PLY type (char, uchar, short, ushort, int, uint, float, double)", word));
 }
 
 struct PlyProperty {
@@ -236,7 +236,7 @@ class PlyBody {
       const std::string_view word = take_word(text_);
       if (word.empty()) fail("the file ends before its last element");
       const std::optional<double> value = parse_number(word);
-      if (!value) fail(fmt::format("'{}' is not a number", word));
+      if (!value) fail(fmt::format("'{:.60}' is not a number", word));
       return *value;
     }
     switch (type) {
@@ -312,7 +312,7 @@ TriangleMesh read_ply(std::string_view content, const std::string& name) {
       } else if (words[1] == "binary_big_endian") {
         format = PlyBody::Format::big_endian;
       } else {
-        lines.fail(fmt::format("format '{}' is none of ascii, binary_little_endian, binary_big_endian", words[1]));
+        lines.fail(fmt::format("format '{:.60}' is none of ascii, binary_little_endian, binary_big_endian", words[1]));
       }
     } else if (words[0] == "element" && words.size() == 3) {
       elements.push_back({std::string(words[1]), lines.integer(words[2]), {}});
@@ -323,7 +323,7 @@ TriangleMesh read_ply(std::string_view content, const std::string& name) {
       elements.back().properties.push_back(
           {std::string(words[4]), ply_type(words[3], lines), true, ply_type(words[2], lines)});
     } else {
-      lines.fail(fmt::format("'{}' cannot stand here in a PLY header", words[0]));
+      lines.fail(fmt::format("'{:.60}' cannot stand here in a PLY header", words[0]));
     }
   }
   if (!ended) lines.fail("the PLY header has no end_header");
@@ -334,7 +334,7 @@ TriangleMesh read_ply(std::string_view content, const std::string& name) {
   std::vector<std::uint32_t> corners;
   for (const PlyElement& element : elements) {
     if (element.properties.empty() && element.count > 0) {
-      throw InputError(fmt::format("{}: element '{}' has no properties", name, element.name));
+      throw InputError(fmt::format("{}: element '{:.60}' has no properties", name, element.name));
     }
     const bool is_vertex = element.name == "vertex";
     const bool is_face = element.name == "face";

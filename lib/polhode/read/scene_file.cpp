@@ -186,7 +186,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
     if (!root.has(key)) return 0.0;
     const std::string text = quantity(key, "30 d");
     const Seconds span = root.located(key, [&] { return parse_duration(text); });
-    if (!(span.high >= 0.0)) throw root.error(key, fmt::format("found '{}', a span of 0 or more is wanted", text));
+    if (!(span.high >= 0.0)) throw root.error(key, fmt::format("found '{:.60}', a span of 0 or more is wanted", text));
     return span.high + span.low;
   };
   scene.first_s = 0.0 - duration_s("before");  // not -0

@@ -99,7 +99,7 @@ std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(const TomlTable
       }
       const auto i = static_cast<std::size_t>(found - numbers_.begin());
       if (std::find(listed.begin(), listed.end(), i) != listed.end()) {
-        throw table.error("parameters", fmt::format("'{}' stands there twice", name));
+        throw table.error("parameters", fmt::format("'{:.60}' stands there twice", name));
       }
       listed.push_back(i);
       uncertain[i] = true;

@@ -157,7 +157,7 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 [[noreturn]] void refuse(std::string_view text) {
   throw InputError(
-      fmt::format("'{}' is not a date; allowed: 2029-04-13T21:46:00.5, 2029-103T21:46:00, JD 2462240.5, "
+      fmt::format("'{:.60}' is not a date; allowed: 2029-04-13T21:46:00.5, 2029-103T21:46:00, JD 2462240.5, "
                   "MJD 62240.0, or a JD or MJD as two numbers whose sum counts",
                   text));
 }
@@ -230,7 +230,7 @@ Instant parse_julian(std::string_view text, std::string_view numbers, double zer
     day -= 1.0;
   }
   if (!(first_mjd <= day && day <= last_mjd)) {
-    throw InputError(fmt::format("'{}' lies outside of the years 0000 to 9999", text));
+    throw InputError(fmt::format("'{:.60}' lies outside of the years 0000 to 9999", text));
   }
   const double length = scale == TimeScale::utc ? utc_day(day).length_s : day_s;
   const Seconds second = exact_product(fraction.high, length) + Seconds{fraction.low * length, 0.0};
@@ -270,7 +270,7 @@ Instant parse_calendar(std::string_view text, TimeScale scale) {
   if (scale == TimeScale::utc && hour == 23 && minute == 59) minute_s += utc_day(mjd).length_s - day_s;
   if (hour > 23 || minute > 59 || second + fraction >= minute_s) {
     throw InputError(
-        fmt::format("'{}' has no such time of day in {}: hours 00 to 23, minutes 00 to 59, seconds below "
+        fmt::format("'{:.60}' has no such time of day in {}: hours 00 to 23, minutes 00 to 59, seconds below "
                     "60 (below 61 only where UTC has a leap second)",
                     text, name(scale)));
   }
@@ -318,7 +318,7 @@ std::string_view name(TimeScale scale) {
 
 TimeScale time_scale(std::string_view name) {
   if (const auto scale = find_scale(name)) return *scale;
-  throw InputError(fmt::format("'{}' is not a time scale; allowed: {}", name, scales_allowed));
+  throw InputError(fmt::format("'{:.60}' is not a time scale; allowed: {}", name, scales_allowed));
 }
 
 Instant parse_date(std::string_view text, TimeScale scale) {
@@ -336,8 +336,8 @@ Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missi
     if (!word.empty() && std::isalpha(static_cast<unsigned char>(word.front())) != 0) {
       const std::optional<TimeScale> scale = word == "Z" || word == "z" ? TimeScale::utc : find_scale(word);
       if (!scale) {
-        throw InputError(fmt::format("'{}' is not a date with its time scale: '{}' is none; allowed: {}", text, word,
-                                     scales_allowed));
+        throw InputError(fmt::format("'{:.60}' is not a date with its time scale: '{:.20}' is none; allowed: {}", text,
+                                     word, scales_allowed));
       }
       return {parse_date(date.substr(0, space), *scale), *scale};
     }
@@ -347,9 +347,9 @@ Date parse_date_with_scale(std::string_view text, std::optional<TimeScale> missi
   }
   if (!missing) {
     parse_date(date, TimeScale::utc);  // what is no date is said first
-    throw InputError(
-        fmt::format("'{}' needs its time scale behind it, as in '2029-04-13T21:46:00 TDB'; allowed: {}, or Z for UTC",
-                    text, scales_allowed));
+    throw InputError(fmt::format(
+        "'{:.60}' needs its time scale behind it, as in '2029-04-13T21:46:00 TDB'; allowed: {}, or Z for UTC", text,
+        scales_allowed));
   }
   return {parse_date(date, *missing), *missing};
 }

@@ -281,13 +281,13 @@ AemType aem_type(std::string_view name) {
     if (upper == form.name) return form.type;
     allowed += fmt::format("{}{}", allowed.empty() ? "" : ", ", form.name);
   }
-  throw InputError(fmt::format("attitude type '{}' is not one of {}", name, allowed));
+  throw InputError(fmt::format("attitude type '{:.60}' is not one of {}", name, allowed));
 }
 
 AdmVersion adm_version(std::string_view name) {
   if (name == "1.0") return AdmVersion::v1;
   if (name == "2.0") return AdmVersion::v2;
-  throw InputError(fmt::format("ADM version '{}' is not one of 1.0, 2.0", name));
+  throw InputError(fmt::format("ADM version '{:.60}' is not one of 1.0, 2.0", name));
 }
 
 namespace {
