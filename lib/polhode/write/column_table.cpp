@@ -110,7 +110,7 @@ void write_fits_columns(const std::string& path, const ColumnTable& table) {
     if (key == "object") {
       text("OBJECT", value, "body");
     } else {
-      out.comments.push_back(key + ": " + value);
+      out.comments.push_back(fmt::format("{}: {}", key, value));
     }
   }
   write_number_table(path, out, [&columns](std::size_t first, std::span<double> to) {
