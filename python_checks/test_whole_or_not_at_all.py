@@ -162,21 +162,6 @@ def test_compression_can_be_interrupted(tmp_path, start, times):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_compression_can_be_interrupted_at_any_moment(tmp_path, start):
-    """By the clock, whatever stands in the folder meanwhile."""
-    command = [PROGRAM, "propagate", TOUTATIS, "-o", tmp_path / "a.fits.gz", "--stop", "+60 d", "--count", "2000000"]
-    begin = time.monotonic()
-    subprocess.run(command, check=True, capture_output=True)
-    takes = time.monotonic() - begin
-    (tmp_path / "a.fits.gz").unlink()
-    for part in (0.2, 0.4, 0.6):
-        process = start(command, stderr=subprocess.DEVNULL, preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
-        time.sleep(part * takes)
-        process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=20) == -signal.SIGINT
-        assert list(tmp_path.iterdir()) == []
-
-
 @pytest.mark.parametrize("redirection", ["2>&-", "2>/dev/full", "2> >(true)"])
 @pytest.mark.parametrize("body", ["bodies/toutatis.toml", "bodies/mms.toml"])
 def test_standard_error_does_not_matter(tmp_path, redirection, body):

@@ -40,6 +40,7 @@ NB_MODULE(_core, m) {
   bind_torque(m);
   bind_motion(m);
   bind_ephemeris(m);
+  bind_history(m);
   bind_uncertainty(m);
   bind_pickling(m);
 }

@@ -133,6 +133,7 @@ void bind_body(nb::module_& m);
 void bind_torque(nb::module_& m);
 void bind_motion(nb::module_& m);
 void bind_ephemeris(nb::module_& m);
+void bind_history(nb::module_& m);
 void bind_uncertainty(nb::module_& m);
 void bind_pickling(nb::module_& m);
 

@@ -8,74 +8,23 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <random>
 #include <vector>
 
 #include "polhode/body/inertia.hpp"
-#include "polhode/motion/events.hpp"
 #include "polhode/motion/state_rates.hpp"
+#include "property/any_bodies.hpp"
 
 namespace polhode {
 namespace {
 
-constexpr double kEps = std::numeric_limits<double>::epsilon();
-
-/// Bodies of all kinds, generic first, then those beside a border; seed fixed.
-class Bodies {
- public:
-  FreeBody next() {
-    const int kind = count_++ % 8;
-    Vector3 i(uniform(1, 10), uniform(1, 10), uniform(1, 10));
-    std::sort(i.data(), i.data() + 3);
-    Vector3 m(normal(), normal(), normal());
-    const double small = std::pow(10.0, uniform(-15, -1));
-    switch (kind) {
-      case 1:
-        i[0] = i[1] * small;
-        break;  // needle
-      case 2:
-        i[1] = std::min(i[0] * (1 + small), i[2]);
-        break;  // nearly symmetric
-      case 3:
-        i[1] = std::max(i[2] * (1 - small), i[0]);
-        break;
-      case 4:
-        i[1] = i[0] * (1 + small), i[2] = i[1] * (1 + small);
-        break;  // nearly a sphere
-      case 5:
-        m[0] *= small, m[1] *= small;
-        break;  // beside an axis
-      case 6:
-        m[0] *= small, m[2] *= small;
-        break;
-      case 7:
-        m[2] = m[0] * std::sqrt((i[1] - i[0]) * i[2] / (i[0] * (i[2] - i[1]))) * (1 + small);
-        break;  // separatrix
-      default:
-        break;
-    }
-    return {i, Quaternion(normal(), normal(), normal(), normal()), m};
-  }
-  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(random_); }
-  double normal() { return std::normal_distribution<double>()(random_); }
-
- private:
-  std::mt19937_64 random_{20260101};
-  int count_ = 0;
-};
-
-double fastest(const FreeBody& b) { return b.momentum_body.cwiseQuotient(b.principal_moments).stableNorm(); }
+using test::Bodies;
+using test::fastest;
+using test::kEps;
+using test::momentum_error;
 
 double attitude_error(const State& a, const State& b) {
   return rotation_angle_rad(a.q_inertial_from_body, b.q_inertial_from_body);
 }
-/// Squares may underflow; a momentum of 0 stays so to the last digit.
-double momentum_error(const Vector3& a, const Vector3& b) {
-  const double off = (a - b).stableNorm();
-  return off == 0.0 ? 0.0 : off / b.stableNorm();
-}
-double momentum_error(const State& a, const State& b) { return momentum_error(a.momentum_body, b.momentum_body); }
-
 /// Largest error over all cases, NaN kept, with the case that gave it.
 class Worst {
  public:
@@ -527,63 +476,6 @@ TEST(ThetaProperty, ShortBuildLosesNothingOverAStep) {
     worst.add(attitude_error(brief.at(t), exact.at(t)), n);
     worst.add(momentum_error(brief.at(t), exact.at(t)), n);
   }
-}
-
-TEST(ThetaEvents, FlipsAreWhereTheMiddleMomentumVanishes) {
-  Bodies bodies;
-  for (int n = 0; n < 500; ++n) {
-    const FreeBody b = bodies.next();
-    const ThetaMotion motion(b);
-    const MeanRates rates = mean_rates(motion);
-    double t = 0.0;
-    for (int k = 0; k < 3; ++k) {
-      const double next = next_flip_s(motion, t);
-      if (!std::isfinite(next)) break;
-      ASSERT_GT(next, t) << n;
-      if (k > 0) {
-        ASSERT_NEAR(next - t, rates.polhode_period_s / 2, 1e-12 * next) << n;
-      }
-      const double rate = std::abs(state_rates(b.principal_moments, motion.at(next)).omega_rate_body_rad_s2[1]) *
-                          b.principal_moments[1];
-      ASSERT_LE(std::abs(motion.at(next).momentum_body[1]), 8 * kEps * (b.momentum_body.norm() + rate * next)) << n;
-      t = next;
-    }
-  }
-  const FreeBody top{Vector3(1, 2, 3), Quaternion(1, 0, 0, 0), Vector3(0, 0, 1)};
-  EXPECT_EQ(next_flip_s(ThetaMotion(top), 0.0), std::numeric_limits<double>::infinity());
-}
-
-TEST(ThetaEvents,
-     MeanRatesAreThoseOfTheMotion) {  // after one polhode period the attitude has turned about the momentum
-  Bodies bodies;
-  for (int n = 0; n < 400; ++n) {
-    const FreeBody b = bodies.next();
-    const ThetaMotion motion(b);
-    const MeanRates rates = mean_rates(motion);
-    const double period = rates.polhode_period_s;
-    if (!std::isfinite(period) || period * fastest(b) > 1e5) continue;
-    const State start = motion.at(0.0), end = motion.at(period);
-    ASSERT_LE(momentum_error(end, start), 1e-10) << n;
-    const Vector3 l = (start.q_inertial_from_body * start.momentum_body).normalized();
-    for (double rate : {rates.long_axis_precession_rad_s, rates.short_axis_precession_rad_s}) {
-      const Quaternion turn(Eigen::AngleAxisd(rate * period, l));
-      ASSERT_LE(rotation_angle_rad(turn * start.q_inertial_from_body, end.q_inertial_from_body), 1e-9) << n;
-    }
-  }
-}
-
-TEST(ThetaEvents, PassesAreFound) {
-  const FreeBody b{Vector3(1, 2, 2.7), Quaternion(1, -2, 0.3, 4), Vector3(1, 0.4, 0.3)};
-  const ThetaMotion motion(b);
-  const Vector3 direction = motion.at(123.456).q_inertial_from_body * Vector3::UnitX();
-  const auto pass = next_pass(motion, b, Vector3::UnitX(), direction, 0.01, 0.0, 1000.0);
-  ASSERT_TRUE(pass.has_value());
-  EXPECT_LE(pass->time_s, 123.456);
-  EXPECT_NEAR(pass->angle_rad, 0.01, 2e-9);
-  for (double t = 0; t < pass->time_s; t += 1e-3) {  // none before
-    ASSERT_GT(std::acos((motion.at(t).q_inertial_from_body * Vector3::UnitX()).dot(direction)), 0.01 - 1e-8) << t;
-  }
-  EXPECT_FALSE(next_pass(motion, b, Vector3::UnitX(), direction, 0.01, 0.0, pass->time_s * 0.99).has_value());
 }
 
 }  // namespace

@@ -1,21 +1,18 @@
-// The rival integrators: measured orders, what they keep, where they fail and why; and the quadruple-precision
-// reference that measures them, against the tabulated truth.
+// The rival integrators: measured orders, what they keep, where they fail and why.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
+#include <cstdio>
 #include <iterator>
 #include <set>
-#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "polhode/base/error.hpp"
 #include "polhode/motion/theta.hpp"
-#include "polhode/motion/torqued_motion.hpp"
-#include "polhode/read/case_file.hpp"
 #include "rivals/discrete_moser_veselov.hpp"
-#include "rivals/extrapolated_motion.hpp"
 #include "rivals/implicit_midpoint.hpp"
 #include "rivals/integrated_motion.hpp"
 #include "rivals/lie_group.hpp"
@@ -24,9 +21,13 @@
 #include "rivals/registry.hpp"
 #include "rivals/rotation_splittings.hpp"
 #include "rivals/torqued_methods.hpp"
+#include "unit/quadruple_angle.hpp"
 
 namespace polhode::rivals {
 namespace {
+
+using test::angle_between;
+using test::as_double;
 
 /// The methods that are controlled.
 std::vector<MeasuredMethod> integrators() {
@@ -34,119 +35,6 @@ std::vector<MeasuredMethod> integrators() {
   std::copy_if(measured_methods().begin(), measured_methods().end(), std::back_inserter(list),
                [](const MeasuredMethod& m) { return m.make_controlled != nullptr; });
   return list;
-}
-
-double as_double(Quadruple a) { return static_cast<double>(a); }
-
-/// 34 decimal digits.
-Quadruple parse(const std::string& text) {
-  std::size_t i = 0;
-  const bool negative = text[i] == '-';
-  if (negative) ++i;
-  Quadruple value = 0;
-  int exponent = 0;
-  for (bool fraction = false; i < text.size() && text[i] != 'e'; ++i) {
-    if (text[i] == '.') {
-      fraction = true;
-      continue;
-    }
-    value = value * Quadruple(10) + Quadruple(text[i] - '0');
-    if (fraction) --exponent;
-  }
-  if (i < text.size()) exponent += std::stoi(text.substr(i + 1));
-  Quadruple scale = 1;
-  for (int n = std::abs(exponent); n > 0; --n) scale *= Quadruple(10);
-  value = exponent < 0 ? value / scale : value * scale;
-  return negative ? -value : value;
-}
-
-template <class Real>
-double angle_between(const Real a[4], const Real b[4]) {
-  Real d[4] = {a[0], -a[1], -a[2], -a[3]};
-  multiply_quaternion(d, b[0], b[1], b[2], b[3]);
-  return 2.0 * std::hypot(as_double(d[1]), as_double(d[2]), as_double(d[3]));
-}
-
-CaseFile case_file(const std::string& name) { return read_case_file(POLHODE_DATA_DIR "/truth/dev/" + name + ".case"); }
-
-QuadrupleReference reference_of(const CaseFile& wanted) {
-  const auto [first, last] = std::minmax_element(wanted.times_s.begin(), wanted.times_s.end());
-  return QuadrupleReference(in_quadruple(wanted.body), std::min(*first, 0.0), std::max(*last, 0.0));
-}
-
-/// Rows of a truth file: q, m, kappa.
-struct TruthRow {
-  double t;
-  Quadruple q[4];
-  Quadruple m[3];
-  double kappa;
-};
-
-std::vector<TruthRow> truth_of(const std::string& name) {
-  std::ifstream file(POLHODE_DATA_DIR "/truth/dev/" + name + ".truth");
-  std::vector<TruthRow> rows;
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with('#')) continue;
-    std::istringstream fields(line);
-    std::string word[9];
-    for (std::string& w : word) fields >> w;
-    TruthRow row;
-    row.t = std::strtod(word[0].c_str(), nullptr);
-    for (int i = 0; i < 4; ++i) row.q[i] = parse(word[1 + i]);
-    for (int i = 0; i < 3; ++i) row.m[i] = parse(word[5 + i]);
-    row.kappa = std::stod(word[8]);
-    rows.push_back(row);
-  }
-  return rows;
-}
-
-TEST(QuadrupleReference, AgreesWithTheTabulatedTruthToItsLastDigits) {
-  constexpr double units_in_the_last_place = 1e4;
-  double worst = 0.0;
-  std::string where = "nowhere";
-  int rows = 0, undetermined = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(POLHODE_DATA_DIR "/truth/dev")) {
-    if (entry.path().extension() != ".case") continue;
-    const std::string name = entry.path().stem().string();
-    const CaseFile wanted = case_file(name);
-    const QuadrupleReference reference = reference_of(wanted);
-    for (const TruthRow& row : truth_of(name)) {
-      if (row.kappa > 1e16) {  // a double of the inputs determines nothing
-        ++undetermined;
-        continue;
-      }
-      ++rows;
-      const ScaledState<Quadruple> y = reference.at(row.t);
-      double error = angle_between(row.q, y.q);
-      Quadruple square = 0;
-      const Quadruple scale = std::max(1e-300, wanted.body.momentum_body.cwiseAbs().maxCoeff());
-      for (const Quadruple& m : row.m) square += (m / scale) * (m / scale);
-      const Quadruple momentum = square > Quadruple(0) ? square_root(square) * scale : Quadruple(1);
-      for (int i = 0; i < 3; ++i) error = std::max(error, std::abs(as_double(row.m[i] / momentum - y.m[i])));
-      const double scaled = error / (quadruple_epsilon * std::max(1.0, row.kappa));
-      if (!(scaled <= worst)) {
-        worst = scaled;
-        where = name + " t " + std::to_string(row.t);
-        ASSERT_FALSE(std::isnan(scaled)) << where;
-      }
-    }
-  }
-  std::printf("%d rows, %d undetermined, worst %.3g units at %s\n", rows, undetermined, worst, where.c_str());
-  EXPECT_GT(rows, 1000);
-  EXPECT_LE(worst, units_in_the_last_place) << where;
-}
-
-TEST(QuadrupleReference, ConditionNumbersAreThoseOfTheTruth) {
-  for (const std::string name : {"sam-01", "lam-02", "nearsep-03", "nearprin2-04", "needle-01", "nearsphere-03"}) {
-    const CaseFile wanted = case_file(name);
-    const std::vector<double> kappas = condition_numbers(wanted.body, wanted.times_s);
-    const std::vector<TruthRow> truth = truth_of(name);
-    ASSERT_EQ(kappas.size(), truth.size());
-    for (std::size_t i = 0; i < truth.size(); ++i) {
-      if (truth[i].kappa > 1e13) continue;  // differences are no longer small
-      EXPECT_NEAR(std::log10(kappas[i] / truth[i].kappa), 0.0, 0.2) << name << " row " << i;
-    }
-  }
 }
 
 // --- The registry
@@ -360,83 +248,6 @@ TEST(Rivals, SplittingsHaveNoDriftOfEnergyAndLieGroupRungeKuttasDo) {
   for (const std::string_view name : {"rkmk-4", "commutator-free-4"}) {
     EXPECT_GT(energy_error(name, 1000), 8 * energy_error(name, 50)) << name;
   }
-}
-
-// --- Under torques
-// ----------------------------------------------------------------------------------------------------
-
-/// Every kind of term that a torque can have, and a jump at 40 s and 70 s.
-Torques all_kinds_of_torques() {
-  return Torques({GravityGradient(3.986e14, KeplerElements{3.986e14, 7e6, 0.1, 100.0, {1, 0, 0}, {0, 0.6, 0.8}}),
-                  LinearDamping{{0.2, 0.5, 0.1}}, InternalDissipation{1e-5},
-                  ThrusterPulse{40.0, 30.0, {0.02, -0.05, 0.03}}});
-}
-FreeBody satellite() {
-  const Vector3 moments(600.0, 1000.0, 1300.0);
-  return {moments, Quaternion(0.3, -0.5, 0.7, 0.2).normalized(), moments.cwiseProduct(Vector3(0.05, 0.04, -0.07))};
-}
-
-/// Greatest difference from extrapolation in long double, on both sides of t = 0.
-double torqued_error(const TorquedMethod& method, const Torques& torques, const StepControl& control) {
-  const FreeBody body = satellite();
-  const std::vector<double> times{25.0, -60.0, 40.0, 55.0, 140.0, 200.0, 0.0};
-  static const std::vector<State> truth = [&] {
-    const ExtrapolatedMotion reference(body, torques, {1e-15, -60.0, 200.0});
-    std::vector<State> states;
-    states.reserve(times.size());
-    for (const double t : times) states.push_back(reference.at(t));
-    return states;
-  }();
-  const IntegratedMotion motion(body, torques, control, method.run, method.scheme);
-  double worst = 0.0;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const State one = motion.at(times[i]);
-    const double error = rotation_angle_rad(one.q_inertial_from_body.normalized(), truth[i].q_inertial_from_body) +
-                         (one.momentum_body - truth[i].momentum_body).norm() / truth[i].momentum_body.norm();
-    if (!(error <= worst)) worst = error;
-    if (std::isnan(error)) return error;
-  }
-  return worst;
-}
-
-TEST(TorquedRivals, AllConvergeToTheMotionUnderEveryKindOfTorque) {
-  const Torques torques = all_kinds_of_torques();
-  for (const TorquedMethod& method : torqued_methods()) {
-    if (!method.fixed_step) {
-      EXPECT_LT(torqued_error(method, torques, {.tolerance = 1e-9}), 1e-6) << method.name;
-      EXPECT_LT(torqued_error(method, torques, {.tolerance = 1e-12}), 1e-9) << method.name;
-      continue;
-    }
-    const bool second_order = method.name.ends_with("strang") || method.name.starts_with("three-rotations");
-    const StepControl control{.step_s = 0.25, .free_step_s = second_order ? 0.002 : 0.25};
-    EXPECT_LT(torqued_error(method, torques, control), second_order ? 3e-6 : 3e-8) << method.name;
-  }
-}
-
-TEST(TorquedRivals, HaveTheirOrder) {
-  const Torques torques = all_kinds_of_torques();
-  const auto order_of = [&](std::string_view name, double step_s) {
-    const auto method = std::find_if(torqued_methods().begin(), torqued_methods().end(),
-                                     [&](const TorquedMethod& m) { return m.name == name; });
-    const double coarse = torqued_error(*method, torques, {.step_s = step_s, .free_step_s = step_s});
-    const double fine = torqued_error(*method, torques, {.step_s = step_s / 2, .free_step_s = step_s / 2});
-    std::printf("%-28s measured %6.3f  (%.2e -> %.2e)\n", std::string(name).c_str(), std::log2(coarse / fine), coarse,
-                fine);
-    return std::log2(coarse / fine);
-  };
-  for (const std::string_view kernel : {"theta", "three-rotations", "top-rotation", "dmv", "dmv-6", "dmv-10"}) {
-    EXPECT_NEAR(order_of(std::string(kernel) + " strang", 0.25), 2.0, 0.2) << kernel;
-  }
-  EXPECT_NEAR(order_of("rk4", 0.5), 4.0, 0.2);
-  EXPECT_NEAR(order_of("dmv-6 near-10-6-4", 2.0), 6.0, 0.2);  // of the kernel: the kicks are finer
-}
-
-TEST(TorquedRivals, AtRestThereIsNoAnswer) {
-  FreeBody body = satellite();
-  body.momentum_body.setZero();
-  const TorquedMethod& method = torqued_methods().front();
-  EXPECT_TRUE(std::isnan(
-      IntegratedMotion(body, all_kinds_of_torques(), {}, method.run, method.scheme).at(1.0).momentum_body[0]));
 }
 
 // --- Libraries that a build may lack

@@ -121,45 +121,6 @@ struct Engine {
   }
 };
 
-inline double larger(double a, double b) { return a > b ? a : b; }
-inline double smaller(double a, double b) { return a < b ? a : b; }
-
-[[gnu::always_inline]] inline double largest_component(Vector v) {
-  const double x = __builtin_fabs(v[0]), y = __builtin_fabs(v[1]), z = __builtin_fabs(v[2]);
-  return larger(x, larger(y, z));
-}
-
-[[gnu::always_inline]] inline Vector cross(Vector a, Vector b) { return yzx(a * yzx(b) - yzx(a) * b); }
-
-/// The polynomial with these coefficients; the even and the odd ones by themselves, which takes half the time.
-[[gnu::always_inline]] inline Vector sum_of(const Vector* coefficients, int order, double t) {
-  const Vector t2 = all(t * t);
-  Vector even = coefficients[order - order % 2], odd = coefficients[order - 1 + order % 2];
-  for (int n = order - order % 2 - 2; n >= 0; n -= 2) {
-    Vector next = coefficients[n];
-    add_product(next, even, t2);
-    even = next;
-  }
-  for (int n = order - 3 + order % 2; n > 0; n -= 2) {
-    Vector next = coefficients[n];
-    add_product(next, odd, t2);
-    odd = next;
-  }
-  add_product(even, odd, all(t));
-  return even;
-}
-
-/// A number between -1 and 1 in each lane (Marsaglia's xorshift).
-[[gnu::always_inline]] inline Vector random_signs(unsigned long long& state) {
-  state ^= state << 13;
-  state ^= state >> 7;
-  state ^= state << 17;
-  const auto part = [&](int shift) {
-    return static_cast<double>(static_cast<int>((state >> shift) & 0xffff) - 0x8000) * 0x1p-15;
-  };
-  return Vector{part(0), part(16), part(32), part(48)};
-}
-
 /// Orders in which the difference is carried along: by a seventh or eighth order a swing of up to 1.7 rad in a step
 /// does not grow, which by a fifth or sixth it would.
 inline constexpr int kVariationOrders = 8;
@@ -360,13 +321,6 @@ class VaryingAround {
   Varying along_[Around::pulls + 1][kMostOrder + 1];
   Varying field_[3][Around::has_field ? kMostOrder + 1 : 1], change_[3][Around::has_field ? kMostOrder + 1 : 1];
 };
-
-template <class Coefficient>
-[[gnu::always_inline]] inline Vector sum_at(const Coefficient& coefficient, int order, double t) {
-  Vector sum = coefficient(order);
-  for (int n = order - 1; n >= 0; --n) sum = coefficient(n) + sum * all(t);
-  return sum;
-}
 
 /// Columns of the partial derivatives. Those by the state have the equations of Variation; those by a parameter are the
 /// motion's own, in values with their derivatives.

@@ -1,6 +1,6 @@
 #pragma once
 
-// Vectors of three components in a register, of doubles, and of sums of two doubles.
+// Vectors of three components in a register, of doubles, and of sums of two doubles; polynomials of them.
 
 #include <type_traits>
 
@@ -37,6 +37,52 @@ using Vector __attribute__((vector_size(32))) = double;
 [[gnu::always_inline]] inline Vector all_x(Vector a) { return __builtin_shufflevector(a, a, 0, 0, 0, 3); }
 [[gnu::always_inline]] inline Vector rounded(Vector a) { return a; }
 [[gnu::always_inline]] inline Vector over(Vector a, int /*n*/, double share) { return a * all(share); }
+
+inline double larger(double a, double b) { return a > b ? a : b; }
+inline double smaller(double a, double b) { return a < b ? a : b; }
+
+[[gnu::always_inline]] inline double largest_component(Vector v) {
+  const double x = __builtin_fabs(v[0]), y = __builtin_fabs(v[1]), z = __builtin_fabs(v[2]);
+  return larger(x, larger(y, z));
+}
+
+[[gnu::always_inline]] inline Vector cross(Vector a, Vector b) { return yzx(a * yzx(b) - yzx(a) * b); }
+
+/// The polynomial with these coefficients; the even and the odd ones by themselves, which takes half the time.
+[[gnu::always_inline]] inline Vector sum_of(const Vector* coefficients, int order, double t) {
+  const Vector t2 = all(t * t);
+  Vector even = coefficients[order - order % 2], odd = coefficients[order - 1 + order % 2];
+  for (int n = order - order % 2 - 2; n >= 0; n -= 2) {
+    Vector next = coefficients[n];
+    add_product(next, even, t2);
+    even = next;
+  }
+  for (int n = order - 3 + order % 2; n > 0; n -= 2) {
+    Vector next = coefficients[n];
+    add_product(next, odd, t2);
+    odd = next;
+  }
+  add_product(even, odd, all(t));
+  return even;
+}
+
+template <class Coefficient>
+[[gnu::always_inline]] inline Vector sum_at(const Coefficient& coefficient, int order, double t) {
+  Vector sum = coefficient(order);
+  for (int n = order - 1; n >= 0; --n) sum = coefficient(n) + sum * all(t);
+  return sum;
+}
+
+/// A number between -1 and 1 in each lane (Marsaglia's xorshift).
+[[gnu::always_inline]] inline Vector random_signs(unsigned long long& state) {
+  state ^= state << 13;
+  state ^= state >> 7;
+  state ^= state << 17;
+  const auto part = [&](int shift) {
+    return static_cast<double>(static_cast<int>((state >> shift) & 0xffff) - 0x8000) * 0x1p-15;
+  };
+  return Vector{part(0), part(16), part(32), part(48)};
+}
 
 /// The same in double-double (base/double_double.hpp has the numbers' own operations).
 struct PreciseVector {
