@@ -106,6 +106,8 @@ def test_every_scene_keeps_what_its_file_promises(tmp_path, scene):
         assert f"method {header['METHOD']}, {header['TORQEVAL']:.0f} torque evaluations" in result.stderr
         assert f"rows good to {header['MAXERR']:.1e} rad ({header['ERRORIS'][:20]}" in result.stderr
         assert header["METHOD"] in ("series", "splitting, few kicks per turn") and header["TORQEVAL"] > 0
+        predicted = re.search(r"about (\S+) torque evaluations", run("plan", scene, *options).stdout)
+        assert predicted is None or header["TORQEVAL"] / 2.2 < float(predicted[1]) < header["TORQEVAL"] * 2.2  # two digits
     accuracy_rad = float(re.search(r"accuracy +(\S+) rad", run("plan", scene).stdout)[1])
     assert rows["planned"][0]["MAXERR"] <= 1.01 * accuracy_rad and rows["full"][0]["MAXERR"] <= 1.1e-9
     assert_within(angle_rad(rows["planned"][1], rows["full"][1]), rows["planned"][0]["MAXERR"] + rows["full"][0]["MAXERR"])

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 import tomllib
+from astropy.io import fits
 from astropy.table import Table
 from scipy.integrate import solve_ivp
 from support import ROOT, angle_rad, assert_within, run
@@ -148,6 +149,18 @@ def run_to(tmp_path, scene, *options):
     out = tmp_path / "out.fits"
     run("propagate", scene, "-o", out, *options)
     return out
+
+
+def test_what_ran_in_place_of_the_plan_is_what_the_file_says(tmp_path):
+    """Facets that come into the light keep few kicks per turn from the accuracy, which shows only when they have run."""
+    scene = scene_with(tmp_path, ('after = "30 d"', 'after = "4 d"'))
+    plan = run("plan", scene).stdout
+    assert "model      splitting, few kicks per turn" in plan
+    assert "cost       cannot be told before it runs (facets that come into the light" in plan
+    result = run("propagate", scene, "-o", tmp_path / "out.fits", "--count", "3")
+    header = fits.getheader(tmp_path / "out.fits", "ATTITUDE")
+    assert header["METHOD"] == "dormand-prince" and header["TORQEVAL"] > 1e5
+    assert f"method dormand-prince, {header['TORQEVAL']:.0f} torque evaluations" in result.stderr
 
 
 def test_the_mesh_is_what_its_maker_makes(tmp_path):

@@ -97,6 +97,11 @@ class Program(unittest.TestCase):
         done = self.eval_text(text, "--max-evaluations", "10000")
         self.assertLess(int(re.search(r"after (\d+) torque evaluations", done.stderr)[1]), 10_500)
 
+    def test_a_motion_that_stops_early_is_no_wrong_input(self):
+        done = self.eval_text(GOOD.replace("t 1", "T linear-body -10 -10 -10\nt 100"))  # spun up without bound
+        self.assertEqual((done.returncode, done.stdout), (1, ""))
+        self.assertRegex(done.stderr, r"stopped: 0 s to 1\.\d+ s were reached after \d+ torque evaluations")
+
     def test_what_a_message_quotes_is_short_and_has_no_control_characters(self):
         done = run("convert-time", "--to", "UTC", input="2000-01-01 \x1b[2J\rTT\x7f\n")
         self.assertEqual((done.returncode, done.stdout), (2, ""))
