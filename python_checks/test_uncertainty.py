@@ -340,6 +340,7 @@ def test_a_scene_with_uncertain_torques_in_python(tmp_path):
         ("torque_n_m_sigma = [0, 0]", "has the form of its number"),
         ("torque_n_m_sigma = 1e-5", "has the form of its number"),
         ("torque_n_m_sigma = [0, 0, -1e-5]", "an uncertainty of 0 or more"),
+        ("torque_n_m_sigma = [0, 0, 1e300]", "an uncertainty of 0 or more is wanted, up to 1e100"),
         ("torque_n_m_sigma = [0, 0, nan]", "has the form of its number"),
         ("torque_sigma = 1e-5", "there is no number that it goes with"),
         ('axes_sigma = 1e-5', "has the form of its number"),
