@@ -17,6 +17,10 @@ namespace {
 
 std::atomic<const std::string*> stopped_note{nullptr};
 
+bool is_ignored(const struct sigaction& action) {
+  return (action.sa_flags & SA_SIGINFO) == 0 && action.sa_handler == SIG_IGN;
+}
+
 void end_by(int signal) {
   struct sigaction usual {};
   usual.sa_handler = SIG_DFL;
@@ -34,12 +38,24 @@ void clean_up_and_end(int signal, siginfo_t* info, void* /*context*/) {
   end_by(signal);
 }
 
-// Handlers that are there when the program begins are those of libraries, which print and end it (UCX's, which SUNDIALS
-// brings along by way of MPI), and leave hidden files; but a sanitizer's say what is wrong.
+// Libraries may put handlers of their own in place before main(), even for signals that were ignored: UCX does, which
+// SUNDIALS brings along by way of MPI. They print and end the program, and hidden files stay. So what was ignored is
+// noted before any library is initialised, and their handlers give way; but a sanitizer's say what is wrong.
+std::array<bool, 65> ignored_at_first{};
+
 #ifdef __SANITIZE_ADDRESS__
 constexpr bool kSanitizersHandle = true;
 #else
 constexpr bool kSanitizersHandle = false;
+
+void note_ignored_signals() {
+  for (int signal = 1; signal < static_cast<int>(ignored_at_first.size()); ++signal) {
+    struct sigaction now {};
+    ignored_at_first[static_cast<std::size_t>(signal)] = sigaction(signal, nullptr, &now) == 0 && is_ignored(now);
+  }
+}
+
+[[gnu::section(".preinit_array"), gnu::used]] void (*const note_ignored_signals_first)() = note_ignored_signals;
 #endif
 
 /// What ends a program by default, but for SIGKILL.
@@ -64,9 +80,10 @@ void prepare_for_signals_and_closed_streams() {
   for (int signal = 1; signal <= SIGRTMAX; ++signal) {
     struct sigaction now {};
     if (!ends_programs(signal) || sigaction(signal, nullptr, &now) != 0) continue;
-    const bool is_ignored = (now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_IGN;
+    if (ignored_at_first[static_cast<std::size_t>(signal)]) std::signal(signal, SIG_IGN);
     const bool is_usual = (now.sa_flags & SA_SIGINFO) == 0 && now.sa_handler == SIG_DFL;
-    if (is_ignored || (!is_usual && kSanitizersHandle)) continue;
+    if (ignored_at_first[static_cast<std::size_t>(signal)] || is_ignored(now)) continue;
+    if (!is_usual && kSanitizersHandle) continue;
     struct sigaction wanted {};
     wanted.sa_sigaction = clean_up_and_end;
     wanted.sa_flags = SA_SIGINFO | SA_ONSTACK | SA_NODEFER;
