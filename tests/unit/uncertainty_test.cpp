@@ -199,8 +199,12 @@ TEST(Uncertainty, RefusesWithFileAndLine) {
     text.replace(text.find(from), from.size(), to);
     return text;
   };
-  EXPECT_EQ(message(replaced("euler_angles_sigma = [1, 2, 3]", "euler_angles_sigma = [1, -2, 3]")),
-            "test.toml:11: state.attitude.euler_angles_sigma: found -2, an uncertainty of 0 or more is wanted");
+  EXPECT_EQ(
+      message(replaced("euler_angles_sigma = [1, 2, 3]", "euler_angles_sigma = [1, -2, 3]")),
+      "test.toml:11: state.attitude.euler_angles_sigma: found -2, an uncertainty of 0 or more is wanted, up to 1e100");
+  EXPECT_EQ(message(replaced("euler_angles_sigma = [1, 2, 3]", "euler_angles_sigma = [1, 1e200, 3]")),
+            "test.toml:11: state.attitude.euler_angles_sigma: found 1e+200, an uncertainty of 0 or more is wanted, up "
+            "to 1e100");
   EXPECT_EQ(message(replaced("euler_angles_sigma = [1, 2, 3]", "euler_angles_sigma = 1")),
             "test.toml:11: state.attitude.euler_angles_sigma: found the number 1, a list of 3 numbers is wanted");
   EXPECT_EQ(message(replaced("moments_sigma = [0.1, 0.1, 0.1]", "moments_sigma = [0.1, inf, 0.1]")),

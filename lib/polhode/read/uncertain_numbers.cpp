@@ -16,8 +16,8 @@ namespace {
 std::string sigma_key(std::string_view key) { return std::string(key) + "_sigma"; }
 
 double checked_sigma(const TomlTable& table, std::string_view key, double sigma) {
-  if (sigma >= 0.0) return sigma;
-  throw table.error(key, fmt::format("found {}, an uncertainty of 0 or more is wanted", sigma));
+  if (sigma >= 0.0 && sigma <= 1e100) return sigma;  // (its square is finite)
+  throw table.error(key, fmt::format("found {}, an uncertainty of 0 or more is wanted, up to 1e100", sigma));
 }
 
 }  // namespace
