@@ -169,11 +169,13 @@ class SigmaTaker {
   std::vector<Number>& taken_;
 };
 
-/// Whether the text begins with a character from U+FB26 to U+FEFE: toml++ takes them for impossible where it looks for
-/// white space, which is undefined behaviour.
+/// Whether the text begins with a character from U+00A1 to U+0499, U+2C5E to U+3057 (but U+3000) or U+FB26 to U+FEFE:
+/// toml++ takes them for impossible where it looks for white space, which is undefined behaviour.
 bool is_never_expected(std::string_view text) {
-  const std::string_view character = text.substr(0, 3);
-  return character >= "\xEF\xAC\xA6" && character <= "\xEF\xBB\xBE";
+  const std::string_view two = text.substr(0, 2), three = text.substr(0, 3);
+  return (two >= "\xC2\xA1" && two <= "\xD2\x99") ||
+         (three >= "\xE2\xB1\x9E" && three <= "\xE3\x81\x97" && three != "\xE3\x80\x80") ||
+         (three >= "\xEF\xAC\xA6" && three <= "\xEF\xBB\xBE");
 }
 
 /// How deep tables and lists are nested: by brackets that are open, and by the parts of dotted keys.
@@ -217,8 +219,8 @@ void refuse_what_breaks_the_parser(std::string_view text, const std::string& pat
   const auto check = [&](std::size_t i) {
     if (!is_never_expected(text.substr(i))) return;
     throw InputError(place(i),
-                     "not valid TOML: found a character from U+FB26 to U+FEFE, which are allowed in comments and in "
-                     "quotes, but not after a backslash");
+                     "not valid TOML: found a character that is allowed in comments and in quotes, but not after a "
+                     "backslash");
   };
   Nesting nesting;
   std::string_view quotes;  // that began the string at i
