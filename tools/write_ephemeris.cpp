@@ -64,7 +64,7 @@ const EphemerisFormat& format_of(const OutputOptions& options) {
   const EphemerisFormat* format = ephemeris_format_of(options.format.empty() ? options.path : "." + options.format);
   const auto is_ending = [&](std::string_view ending) { return lower_case("." + options.format) == ending; };
   if (options.format.empty() && format == nullptr) {
-    throw OptionError(fmt::format("the ending of '{:.60}' names no format, and there is no --format; allowed are {}",
+    throw OptionError(fmt::format("the ending of '{}' names no format, and there is no --format; allowed are {}",
                                   options.path, endings_of_formats()));
   }
   if (!options.format.empty() &&

@@ -86,11 +86,15 @@ Eigen::MatrixXd Uncertainty::root() const {
   return sigmas.asDiagonal() * solver.eigenvectors() * values.cwiseMax(0.0).cwiseSqrt().asDiagonal();
 }
 
-Body Uncertainty::clone(const Eigen::MatrixXd& root, std::span<const double> z) const {
+Eigen::VectorXd Uncertainty::values(const Eigen::MatrixXd& root, std::span<const double> z) const {
   if (root.cols() != static_cast<Eigen::Index>(z.size())) {
     throw InputError(fmt::format("{} random numbers for a clone, {} are wanted", z.size(), root.cols()));
   }
-  return body_with(values() + root * Eigen::Map<const Eigen::VectorXd>(z.data(), root.cols()));
+  return values() + root * Eigen::Map<const Eigen::VectorXd>(z.data(), root.cols());
+}
+
+Body Uncertainty::clone(const Eigen::MatrixXd& root, std::span<const double> z) const {
+  return body_with(values(root, z));
 }
 
 Eigen::MatrixXd independent(std::span<const double> sigmas) {

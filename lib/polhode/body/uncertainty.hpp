@@ -44,7 +44,9 @@ struct Uncertainty {
   void check() const;
   /// A matrix F with F F^T = covariance: values + F z with normal z are draws. As many columns as there are numbers.
   Eigen::MatrixXd root() const;
-  /// The body of values() + root() z.
+  /// values() + root() z.
+  Eigen::VectorXd values(const Eigen::MatrixXd& root, std::span<const double> z) const;
+  /// The body of these.
   Body clone(const Eigen::MatrixXd& root, std::span<const double> z) const;
 };
 

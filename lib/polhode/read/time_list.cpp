@@ -39,7 +39,7 @@ std::vector<Instant> read_time_list(const std::string& list_or_path, std::option
       instants.push_back(parse_date_with_scale(trimmed(rest.substr(0, comma)), missing).instant);
     } catch (const InputError& error) {
       if (comma != std::string_view::npos || !instants.empty()) throw;
-      throw InputError(fmt::format("there is no file '{:.60}', and as a date: {}", list_or_path, error.what()));
+      throw InputError(fmt::format("there is no file '{:.200}', and as a date: {}", list_or_path, error.what()));
     }
     if (comma == std::string_view::npos) return instants;
     rest.remove_prefix(comma + 1);

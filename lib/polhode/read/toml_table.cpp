@@ -17,6 +17,7 @@
 #include <string>
 
 #include "polhode/base/text.hpp"
+#include "polhode/read/range.hpp"
 
 namespace polhode {
 
@@ -146,7 +147,8 @@ class SigmaTaker {
           if (!value || !size) {
             throw refuse("an uncertainty has the form of its number: one, three, or three rows of three");
           }
-          if (!(*size >= 0.0 && *size <= 1e100)) throw refuse("an uncertainty of 0 or more is wanted, up to 1e100");
+          if (!(*size >= 0.0 && *size <= kGreatestSigmaRead))
+            throw refuse("an uncertainty of 0 or more is wanted, up to 1e100");
           if (is_matrix && *size != value_at(sigma, place.column, place.row)) {
             throw refuse("found a matrix that is not symmetric; its elements are those of a symmetric one");
           }

@@ -20,7 +20,7 @@ int TorqueTable::choice(std::string_view key, const std::array<std::string_view,
   const std::string found = table_.text(key);
   if (found == texts[0]) return 0;
   if (found == texts[1]) return 1;
-  throw table_.error(key, fmt::format("found '{:.40}'; allowed: '{:.60}' or '{:.60}'", found, texts[0], texts[1]));
+  throw table_.error(key, fmt::format("found '{:.40}'; allowed: '{}' or '{}'", found, texts[0], texts[1]));
 }
 
 const OrbitAboutMass& TorqueTable::orbit(std::string_view key) const {
@@ -98,8 +98,8 @@ Torque read_torque(const TomlTable& table, const TorqueSurroundings& surrounding
     keys.insert(keys.end(), Kind::keys.begin(), Kind::keys.end());
     table.allow_only(keys);
     if (Kind::needs_absolute_inertia && !surroundings.body.inertia->absolute) {
-      throw table.error(
-          "kind", fmt::format("a torque of kind '{:.60}' needs moments in kg m2, the body has ratios only", kind));
+      throw table.error("kind",
+                        fmt::format("a torque of kind '{}' needs moments in kg m2, the body has ratios only", kind));
     }
     torque = Kind::read(TorqueTable(table, surroundings));
   });

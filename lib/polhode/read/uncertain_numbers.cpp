@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "polhode/body/body.hpp"
+#include "polhode/read/range.hpp"
 
 namespace polhode {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 std::string sigma_key(std::string_view key) { return std::string(key) + "_sigma"; }
 
 double checked_sigma(const TomlTable& table, std::string_view key, double sigma) {
-  if (sigma >= 0.0 && sigma <= 1e100) return sigma;  // (its square is finite)
+  if (sigma >= 0.0 && sigma <= kGreatestSigmaRead) return sigma;
   throw table.error(key, fmt::format("found {}, an uncertainty of 0 or more is wanted, up to 1e100", sigma));
 }
 

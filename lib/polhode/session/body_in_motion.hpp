@@ -54,9 +54,6 @@ struct CovarianceRows {
   std::optional<std::string> caution;
 };
 
-/// How far motions that are displaced by uncertainties may be off: a part in a hundred of a sigma of 1e-5 rad.
-inline constexpr double kDisplacedTolerance_rad = 1e-7;
-
 /// Between two times, seconds from the epoch. Of a free motion by its exact partial derivatives; under torques by
 /// motions that are displaced by a part of a sigma both ways. Throws InputError for a body without an uncertainty.
 CovarianceRows covariance_rows(const BodyInMotion& moving, double from_s, double to_s);

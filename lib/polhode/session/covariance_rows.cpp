@@ -22,15 +22,14 @@ class DisplacedCovariance {
     if (!moving.uncertainty) throw InputError("the body has no uncertainty, and --covariance needs one");
     const Uncertainty& uncertainty = *moving.uncertainty;
     const Eigen::MatrixXd root = uncertainty.root();
-    centre_ = {moving.free, moving.motion_of(moving.free, uncertainty.values(), kDisplacedTolerance_rad)};
+    centre_ = {moving.free, moving.motion_of(moving.free, uncertainty.values(), kTolerance_rad)};
     std::vector<double> z(static_cast<std::size_t>(root.cols()), 0.0);
     for (double& part : z) {
       for (const double displacement : {kDisplacement, -kDisplacement}) {
         part = displacement;
-        const Eigen::VectorXd numbers =
-            uncertainty.values() + root * Eigen::Map<const Eigen::VectorXd>(z.data(), root.cols());
+        const Eigen::VectorXd numbers = uncertainty.values(root, z);
         const FreeBody body = free_body(uncertainty.body_with(numbers), moving.frame);
-        displaced_.push_back({body, moving.motion_of(body, numbers, kDisplacedTolerance_rad)});
+        displaced_.push_back({body, moving.motion_of(body, numbers, kTolerance_rad)});
       }
       part = 0.0;
     }
@@ -68,7 +67,8 @@ class DisplacedCovariance {
   }
 
  private:
-  static constexpr double kDisplacement = 0.25;  // of a sigma: what is of third order is a sixteenth of it
+  static constexpr double kDisplacement = 0.25;   // of a sigma: what is of third order is a sixteenth of it
+  static constexpr double kTolerance_rad = 1e-7;  // of the motions: a part in a hundred of a sigma of 1e-5 rad
 
   struct Named {
     FreeBody body;

@@ -226,7 +226,8 @@ SampleState empty_state(const Sample& sample, SamplePart part) {
   state.at.resize(grid.size());
   state.published.resize(grid.size());
   const CloneSource source(sample.moving, sample.seed, sample.uniform);
-  clone_states(sample, Clones{0, {source.published().body}, {source.published().numbers}}, ElapsedTimes(sample),
+  const CloneSource::Clone published = source.published();
+  clone_states(sample, Clones{0, {published.body}, {published.numbers}}, ElapsedTimes(sample),
                [&](std::size_t, std::size_t j, const CloneState& clone) { state.published[j] = clone; });
   return state;
 }
