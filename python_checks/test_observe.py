@@ -249,6 +249,23 @@ def test_the_geometry_of_the_table_is_that_of_horizons(toutatis_1992):
     assert isinstance(time, Time) and np.abs(time.jd1 - 2448827.017361111 + time.jd2)[0] < 1e-8
 
 
+def test_columns_that_are_kept_have_names_of_their_own(tmp_path):
+    """Called as ours, as another but for capital letters, in no letters of FITS, or not at all."""
+    table = tmp_path / "table.csv"
+    names = ["Magnitude", "magnitude", "TIME", "Filter", "filter", "", "Größe", "a,b", "x" * 90]
+    table.write_text(",".join(["date_utc", *(f'"{name}"' for name in names), "ra_deg", "dec_deg", "delta_au"]) + "\n" +
+                     "".join(f"1992-12-0{day}T00:00:00,{','.join(map(str, range(9)))},{10 + day},20,0.05\n" for day in (1, 2, 3)))  # fmt: skip
+    for ending in ("csv", "ecsv", "fits"):
+        out = tmp_path / f"rows.{ending}"
+        run("observe", TOUTATIS, "--times", table, "-o", out, "--shape", ELLIPSOID)
+        rows = Table.read(out, format="ascii.csv") if ending == "csv" else Table.read(out)
+        kept = rows.colnames[rows.colnames.index("area_m2") + 1 :][:9]
+        letters = ["Gr__e", "a,b", "x" * 60] if ending == "fits" else ["Größe", "a,b", "x" * 90]
+        assert kept == ["given_Magnitude", "given_magnitude_2", "given_TIME", "Filter", "filter_2", "column_6", *letters]
+        assert [rows[name][0] for name in kept] == list(range(9))
+        assert len({name.lower() for name in rows.colnames}) == len(rows.colnames)
+
+
 # --- What else there is -----------------------------------------------------------------------------------------------
 
 

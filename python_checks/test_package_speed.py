@@ -87,13 +87,14 @@ def test_two_threads(motion, times):
     seen = []
     for _ in range(5 * TRIES):
         one = best_ns(lambda: motion(times, out=out), COUNT, 3)
-        begin, used = time.perf_counter_ns(), time.process_time_ns()
-        motion(times, out=out, threads=2)
-        wall, used = time.perf_counter_ns() - begin, time.process_time_ns() - used
-        if used > 1.9 * wall:  # both processors were ours
-            seen.append(wall / COUNT / one)
-            if seen[-1] <= 1 / 1.8:
-                return
+        for _ in range(5):  # one after the other: a processor that slept takes some milliseconds to begin
+            begin, used = time.perf_counter_ns(), time.process_time_ns()
+            motion(times, out=out, threads=2)
+            wall, used = time.perf_counter_ns() - begin, time.process_time_ns() - used
+            if used > 1.9 * wall:  # both processors were ours
+                seen.append(wall / COUNT / one)
+                if seen[-1] <= 1 / 1.8:
+                    return
     if not seen:
         pytest.skip("no two processors were free at the same time")
     pytest.fail(f"{min(seen):.3g} of the time of one thread at the best, {1 / 1.8:.3g} is allowed: {seen}")

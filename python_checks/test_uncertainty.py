@@ -299,6 +299,17 @@ kind = "linear damping"
 coefficient_n_m_s = 0.0
 coefficient_n_m_s_sigma = 1e-5
 """
+ORBIT = """[orbit.earth]
+mu_m3_s2 = 3.986004418e14
+periapsis_m = 7.146e6
+eccentricity = 0.0
+periapsis_after_epoch_s = 0.0
+to_periapsis = [1.0, 0.0, 0.0]
+normal = [0.0, 0.0, 1.0]
+[[torque]]
+kind = "gravity gradient"
+orbit = "earth"
+"""
 
 
 def test_numbers_of_torques_have_uncertainties(tmp_path):
@@ -358,22 +369,87 @@ def test_an_uncertainty_that_is_none_is_refused(tmp_path, line, message):
 def test_clones_whose_torques_cannot_be_are_drawn_again(tmp_path):
     """An eccentricity of 0.0 with a sigma: half of the draws are negative."""
     (tmp_path / "ball.toml").write_text(BALL)
-    orbit = """[orbit.earth]
-mu_m3_s2 = 3.986004418e14
-periapsis_m = 7.146e6
-eccentricity = 0.0
-eccentricity_sigma = 0.01
-periapsis_after_epoch_s = 0.0
-to_periapsis = [1.0, 0.0, 0.0]
-normal = [0.0, 0.0, 1.0]
-[[torque]]
-kind = "gravity gradient"
-orbit = "earth"
-"""
+    orbit = ORBIT.replace("eccentricity = 0.0", "eccentricity = 0.0\neccentricity_sigma = 0.01")
     (tmp_path / "scene.toml").write_text(PUSHED[: PUSHED.index("[[torque]]")] + orbit)
     times = "2025-01-01T00:00:50 TDB"
     run("sample", tmp_path / "scene.toml", "--count", 50, "--seed", 5, "--times", times, "--rows", "-o", tmp_path / "rows.csv")
     assert len((tmp_path / "rows.csv").read_text().splitlines()) > 50
+
+
+def test_a_torque_whose_numbers_are_uncertain_is_kept(tmp_path):
+    """One that is too small to matter as given, and large within a sigma."""
+    (tmp_path / "ball.toml").write_text(BALL)
+    text = PUSHED.replace("[0.0, 0.0, 1e-4]", "[0.0, 0.0, 1e-15]").replace("1e-6 rad", "1 deg")
+    (tmp_path / "scene.toml").write_text(text)
+    plan = run("plan", tmp_path / "scene.toml").stdout
+    assert plan.count("its numbers are uncertain") == 2
+    assert "caution    the torques' numbers are uncertain: `propagate --covariance` and `sample`" in plan
+    exact = text.replace("torque_n_m_sigma", "# torque_n_m_sigma")
+    (tmp_path / "exact.toml").write_text(exact.replace("coefficient_n_m_s_sigma", "# coefficient_n_m_s_sigma"))
+    assert "dropped" in run("plan", tmp_path / "exact.toml").stdout
+    run("propagate", tmp_path / "scene.toml", "--covariance", "--count", 2, "-o", tmp_path / "rows.ecsv")
+    damped = 1e-5 * np.radians(1.0) * 1e4 / 4
+    assert Table.read(tmp_path / "rows.ecsv")["sigma_rad"][1] == pytest.approx(np.hypot(1e-5 * 1e4 / 4, damped), rel=1e-3)
+
+
+def orbiting(folder, change=lambda orbit: orbit):
+    """A body that is no ball, on a circular orbit, for two revolutions."""
+    (folder / "brick.toml").write_text(BALL.replace("[2.0, 2.0, 2.0]", "[1.0, 1.5, 2.0]"))
+    scene = PUSHED[: PUSHED.index("[[torque]]")].replace("ball.toml", "brick.toml").replace("100 s", "12000 s")
+    path = folder / "orbiting.toml"
+    path.write_text(scene + change(ORBIT))
+    return path
+
+
+def sigmas_of(path, *arguments):
+    run("propagate", path, "--covariance", "--count", 5, "-o", path.with_suffix(".ecsv"), *arguments)
+    table = Table.read(path.with_suffix(".ecsv"))
+    return np.array(table["sigma_rad"]), table.meta
+
+
+def attitudes_of(path):
+    run("propagate", path, "--count", 5, "-o", path.with_suffix(".ecsv"))
+    table = Table.read(path.with_suffix(".ecsv"))
+    return Rotation.from_quat(np.array([table[f"q_{c}"] for c in ("x", "y", "z", "scalar")]).T)
+
+
+def test_an_orbit_that_is_known_from_one_side(tmp_path):
+    """An eccentricity of 0 has no neighbour below; the other side serves."""
+    sigma, meta = sigmas_of(orbiting(tmp_path, lambda orbit: orbit.replace("eccentricity = 0.0", "eccentricity = 0.0\neccentricity_sigma = 0.1")))
+    assert not any("linear" in str(value) for value in meta.values())
+    circle = attitudes_of(orbiting(tmp_path))
+    ellipse = attitudes_of(orbiting(tmp_path, lambda orbit: orbit.replace("eccentricity = 0.0", "eccentricity = 0.025")))
+    apart = 4 * (circle.inv() * ellipse).magnitude()
+    assert apart[-1] > 5e-4 and np.allclose(sigma, apart, rtol=0.01, atol=1e-6)
+
+
+def test_a_normal_that_is_uncertain_stays_one(tmp_path):
+    """Its components are drawn each by itself: what they leave of a right angle to the periapsis is put right."""
+    path = orbiting(tmp_path, lambda orbit: orbit.replace("normal = [0.0, 0.0, 1.0]", "normal = [0.0, 0.0, 1.0]\nnormal_sigma = [1e-3, 1e-3, 1e-3]"))
+    sigma, _ = sigmas_of(path)
+    times = "2025-01-01T03:20:00 TDB"
+    run("sample", path, "--count", 2000, "--seed", 5, "--times", times, "-o", tmp_path / "clones.ecsv")
+    spread = np.radians(Table.read(tmp_path / "clones.ecsv")["attitude_spread_deg"][0])
+
+    def tilted(y):
+        return attitudes_of(orbiting(tmp_path, lambda orbit: orbit.replace("0.0, 1.0]\n[[", f"{y}, 1.0]\n[[")))
+
+    up, down = tilted(5e-4), tilted(-5e-4)
+    apart = (down.inv() * up).magnitude()
+    assert apart[-1] > 1e-5 and np.allclose(sigma, apart, rtol=0.01, atol=1e-7)  # x and z turn no plane
+    assert spread == pytest.approx(sigma[-1], rel=0.06)
+
+
+def test_facets_have_the_same_sigma_at_any_accuracy(tmp_path):
+    """The differences are of motions good enough for them, whatever the scene asks."""
+    scenes = ROOT / "data/scenes"
+    text = (scenes / "satellite/satellite.toml").read_text()
+    text = text.replace('"../bodies', f'"{scenes}/bodies').replace('"envisat-36.obj"', f'"{scenes}/satellite/envisat-36.obj"')
+    text = text.replace("30 d", "0.5 d").replace("[surface.array]", "[surface.array]\nspecular_sigma = 0.05")
+    (tmp_path / "coarse.toml").write_text(text)
+    (tmp_path / "fine.toml").write_text(text.replace("1 deg", "1e-4 deg"))
+    (coarse, _), (fine, _) = sigmas_of(tmp_path / "coarse.toml", "--full"), sigmas_of(tmp_path / "fine.toml", "--full")
+    assert coarse[-1] > 1e-5 and np.allclose(coarse[1:], fine[1:], rtol=0.05)
 
 
 @pytest.mark.parametrize("angle", [float("nan"), 0.0, -1.0, "0 deg", float("inf")])

@@ -261,10 +261,7 @@ void observe_body(const ObserveOptions& options) {
   for (ObservedColumn& column : columns) table.numbers.push_back({column.name, std::move(column.values)});
   if (rows.table) {
     for (std::size_t k = 0; k < rows.table->names.size(); ++k) {
-      const std::string& name = rows.table->names[k];
-      const bool taken = name.starts_with("date_") ||
-                         std::any_of(columns.begin(), columns.end(), [&](const auto& own) { return own.name == name; });
-      table.kept.push_back({taken ? "given_" + name : name, std::move(rows.table->columns[k])});
+      table.kept.push_back({rows.table->names[k], std::move(rows.table->columns[k])});
     }
   }
   table.about = {{"object", body.name},
@@ -276,7 +273,11 @@ void observe_body(const ObserveOptions& options) {
     table.about.emplace_back("shape", wanted.photometry->shape->description());
     table.about.emplace_back("law", options.law);
   }
-  write_column_table(options.output == "-" ? "/dev/stdout" : options.output, table);
+  try {
+    write_column_table(options.output == "-" ? "/dev/stdout" : options.output, table);
+  } catch (const TimeScaleError& error) {
+    throw InputError({"--scale", 0}, error.what());
+  }
   say(fmt::format("{}: {} rows", options.output == "-" ? "standard output" : options.output, table.dates.size()));
   if (wanted.photometry) say("brightness of " + wanted.photometry->shape->description() + ", law " + options.law);
   if (dark > 0) say(fmt::format("note: in {} rows nothing is both lit and seen: the magnitude is inf", dark));

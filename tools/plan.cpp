@@ -50,7 +50,8 @@ void print_plan(const PlanOptions& options) {
                  plan.torque_evaluations ? fmt::format("about {:.2g} torque evaluations", *plan.torque_evaluations)
                                          : "cannot be told before it runs",
                  plan.cost_why);
-  if (const auto caution = worth_text(scene.body, std::max(-scene.first_s, scene.last_s)))
+  const double farthest_s = std::max(-scene.first_s, scene.last_s);
+  if (const auto caution = scene_worth_text(scene.body, scene.uncertain != nullptr, farthest_s))
     fmt::format_to(out, "caution    {}\n", *caution);
   write_standard_output({text.data(), text.size()});
 }

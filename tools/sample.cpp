@@ -148,7 +148,7 @@ void join_parts(const SampleOptions& options) {
 
 void sample(const SampleOptions& options) {
   const bool writes_part = options.output.ends_with(part_ending) && !options.rows;
-  if (!writes_part) check_number_table_path(options.output);
+  if (!writes_part) in_option("-o", [&] { check_number_table_path(options.output); });
   if (options.join) {
     if (writes_part) throw OptionError("--join writes the statistics: --output is a table");
     join_parts(options);

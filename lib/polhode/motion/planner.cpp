@@ -252,8 +252,12 @@ void predict_by_trials(const FreeBody& body, double first_s, double last_s, doub
 }  // namespace
 
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
-                 bool full, double uncertain_rad) {
+                 bool full, double uncertain_rad, const std::vector<bool>& uncertain) {
   checked(body);
+  if (!uncertain.empty() && uncertain.size() != torques.list().size()) {
+    throw InputError(fmt::format("{} torques, and of {} it is said whether they are uncertain", torques.list().size(),
+                                 uncertain.size()));
+  }
   if (!(uncertain_rad >= 0.0)) {
     throw InputError(fmt::format("the attitude is uncertain by {} rad, 0 or more is wanted", uncertain_rad));
   }
@@ -300,7 +304,8 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
   for (const std::size_t i : by_size) {  // the smallest first, while they fit into half the accuracy
     PlannedEffect& effect = plan.effects[i];
     const double all_rad = plan.dropped_rad + bound_rad(i);
-    effect.kept = full || all_rad > std::max(of_accuracy_rad, of_uncertainty_rad);
+    const bool is_uncertain = !uncertain.empty() && uncertain[i];
+    effect.kept = full || is_uncertain || all_rad > std::max(of_accuracy_rad, of_uncertainty_rad);
     if (!effect.kept) {
       effect.why = all_rad <= of_accuracy_rad
                        ? "negligible, also together with all others that are dropped"
@@ -309,6 +314,8 @@ Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, d
       plan.dropped_rad = all_rad;
     } else if (full) {
       effect.why = "everything was asked for";
+    } else if (is_uncertain) {
+      effect.why = "its numbers are uncertain";
     } else if (!effect.secular_rad) {
       effect.why = momentum > 0.0 ? "nobody knows how large it may be" : "the body is at rest: any torque turns it";
     } else {

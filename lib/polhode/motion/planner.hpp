@@ -61,7 +61,8 @@ inline std::size_t usual_torque_evaluations(const Torques& torques) {
 /// in time), doubled. An effect is dropped if all dropped ones together stay below half of the motion's
 /// share; what they leave is for the propagation. `full` keeps everything, at 1e-9 rad. Where the body's numbers leave
 /// the attitude uncertain by `uncertain_rad` at the end of the span, effects are also dropped that together stay below
-/// a tenth of that: Plan::dropped_rad may then be larger than the accuracy.
+/// a tenth of that: Plan::dropped_rad may then be larger than the accuracy. Torques whose own numbers are uncertain
+/// (`uncertain`, of each torque; empty: none) are kept, since another value of them may matter.
 ///
 /// Torques are in the axes of body.named_from_principal, in the plan too. Throws InputError for what checked() refuses,
 /// a span without 0, an accuracy that is not positive and finite.
@@ -73,7 +74,7 @@ inline std::size_t usual_torque_evaluations(const Torques& torques) {
 /// where the surroundings change too often in the span to be followed in 2 million steps, and for an accuracy that the
 /// rounding of the free motion over the span leaves no room for.
 Plan plan_motion(const FreeBody& body, const Torques& torques, double first_s, double last_s, double accuracy_rad,
-                 bool full = false, double uncertain_rad = 0.0);
+                 bool full = false, double uncertain_rad = 0.0, const std::vector<bool>& uncertain = {});
 
 /// What came of a plan.
 struct PlannedMotion {

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <map>
 
@@ -57,30 +59,37 @@ std::string_view key_of(KeplerFault::Element element) {
   return "normal";
 }
 
+/// Whether numbers are those of the file, or of a clone.
+enum class NumbersAre { published, drawn };
+
 OrbitAboutMass read_orbit(const TomlTable& table, const std::string& name, const Scene& scene,
-                          const std::filesystem::path& folder, const ContentOf& content_of) {
+                          const std::filesystem::path& folder, const ContentOf& content_of, NumbersAre numbers) {
   const double mu_m3_s2 = table.number("mu_m3_s2");
   if (!(mu_m3_s2 > 0.0)) throw table.error("mu_m3_s2", fmt::format("found {}, a positive number is wanted", mu_m3_s2));
   if (table.has("trajectory")) return {mu_m3_s2, read_trajectory_of(table, name, scene, folder, content_of)};
   table.allow_only({"mu_m3_s2", "periapsis_m", "eccentricity", "periapsis_after_epoch_s", "to_periapsis", "normal"});
-  const KeplerElements elements{mu_m3_s2,
-                                table.number("periapsis_m"),
-                                table.number("eccentricity"),
-                                table.number("periapsis_after_epoch_s"),
-                                table.vector3("to_periapsis"),
-                                table.vector3("normal")};
+  KeplerElements elements{mu_m3_s2,
+                          table.number("periapsis_m"),
+                          table.number("eccentricity"),
+                          table.number("periapsis_after_epoch_s"),
+                          table.vector3("to_periapsis"),
+                          table.vector3("normal")};
+  if (numbers == NumbersAre::drawn) {  // each component by itself, and so at no right angle
+    const Vector3 along = elements.to_periapsis.stableNormalized();
+    elements.along_normal -= elements.along_normal.dot(along) * along;
+  }
   if (const auto fault = fault_of(elements)) throw table.error(key_of(fault->element), fault->message);
   return {mu_m3_s2, table.located("periapsis_m", [&] { return Trajectory(elements); })};  // refuses what is no orbit
 }
 
 /// Of the tables [orbit.NAME]: how the body moves about the mass of that name.
 OrbitsByName read_orbits(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder,
-                         const ContentOf& content_of) {
+                         const ContentOf& content_of, NumbersAre numbers) {
   OrbitsByName orbits;
   if (!root.has("orbit")) return orbits;
   const TomlTable tables = root.table("orbit");
   for (const std::string& name : tables.keys()) {
-    orbits.emplace(name, read_orbit(tables.table(name), name, scene, folder, content_of));
+    orbits.emplace(name, read_orbit(tables.table(name), name, scene, folder, content_of, numbers));
   }
   return orbits;
 }
@@ -98,13 +107,21 @@ SurfacesByName read_surfaces(const TomlTable& root) {
 }
 
 Torques read_torques(const TomlTable& root, const Scene& scene, const std::filesystem::path& folder,
-                     const ContentOf& content_of) {
-  const OrbitsByName orbits = read_orbits(root, scene, folder, content_of);
+                     const ContentOf& content_of, NumbersAre numbers) {
+  const OrbitsByName orbits = read_orbits(root, scene, folder, content_of, numbers);
   const SurfacesByName surfaces = read_surfaces(root);
   const TorqueSurroundings surroundings{scene.body, orbits, surfaces, folder, content_of};
   std::vector<Torque> torques;
   for (const TomlTable& table : root.tables("torque")) torques.push_back(read_torque(table, surroundings));
   return Torques(std::move(torques));
+}
+
+/// Whether a number is one of torque `place`, from 0, of its orbits or of a surface of its mesh.
+bool acts_on(const TomlTable::NumberWithSigma& number, const TomlTable& torque, std::size_t place) {
+  if (number.section == "torque") return number.table == fmt::format("{}", place + 1);
+  if (number.section == "surface") return torque.has("mesh");
+  return std::ranges::any_of(std::array{"orbit", "shadow_orbit"},
+                             [&](const char* key) { return torque.has(key) && torque.text(key) == number.table; });
 }
 
 std::shared_ptr<const UncertainTorques> uncertain_torques(const TomlTable& root,
@@ -116,12 +133,17 @@ std::shared_ptr<const UncertainTorques> uncertain_torques(const TomlTable& root,
     out.numbers.push_back({number.name(), number.value, {}});
     out.sigmas.push_back(number.sigma);
   }
+  for (const TomlTable& torque : root.tables("torque")) {
+    out.acts_on.push_back(std::ranges::any_of(
+        numbers, [&, place = out.acts_on.size()](const auto& number) { return acts_on(number, torque, place); }));
+  }
   out.torques_with = [root, numbers = std::move(numbers), scene, folder,
                       files = std::move(files)](const Eigen::VectorXd& values) {
     std::vector<TomlTable::NumberWithSigma> changed = numbers;
     for (std::size_t i = 0; i < changed.size(); ++i) changed[i].value = values[static_cast<Eigen::Index>(i)];
-    return read_torques(root.with_values(changed), scene, folder,
-                        [&files](const std::string& file) { return files.at(file); });
+    return read_torques(
+        root.with_values(changed), scene, folder, [&files](const std::string& file) { return files.at(file); },
+        NumbersAre::drawn);
   };
   return std::make_shared<const UncertainTorques>(std::move(out));
 }
@@ -200,11 +222,12 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
                  [&] { set_period_uncertainty(scene.body, root.positive_number("period_uncertainty")); });
   }
   std::map<std::string, std::string, std::less<>> files;  // which a clone's torques are read from once more
-  scene.torques = read_torques(root, scene, folder, [&](const std::string& file) {
+  const auto kept_content_of = [&](const std::string& file) {
     std::string text = content_of(file);
     if (!uncertain.empty()) files.insert_or_assign(file, text);
     return text;
-  });
+  };
+  scene.torques = read_torques(root, scene, folder, kept_content_of, NumbersAre::published);
   for (const TomlTable& table : root.tables("torque")) {
     std::string name(torque_name(scene.torques.list()[scene.torque_names.size()]));
     if (table.has("orbit")) name += ", " + table.text("orbit");

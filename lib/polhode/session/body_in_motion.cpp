@@ -68,7 +68,16 @@ double uncertain_at_end_rad(const Scene& scene) {
 
 Plan plan_of(const Scene& scene, bool full) {
   return plan_motion(free_body(scene.body, scene.frame), scene.torques, scene.first_s, scene.last_s, scene.accuracy_rad,
-                     full, uncertain_at_end_rad(scene));
+                     full, uncertain_at_end_rad(scene),
+                     scene.uncertain ? scene.uncertain->acts_on : std::vector<bool>{});
+}
+
+std::optional<std::string> scene_worth_text(const Body& body, bool torques_are_uncertain, double farthest_s) {
+  std::optional<std::string> text = worth_text(body, farthest_s);
+  if (!torques_are_uncertain) return text;
+  return (text ? *text + "; this is the free motion's, and the torques' own numbers are uncertain, too"
+               : "the torques' numbers are uncertain") +
+         ": `propagate --covariance` and `sample` say what that does to the attitude";
 }
 
 namespace {
@@ -125,12 +134,13 @@ BodyInMotion planned_motion_of(const Scene& scene, bool full, std::optional<std:
       const auto of_torques = static_cast<Eigen::Index>(uncertain->numbers.size());
       own.kept = kept_of(plan, uncertain->torques_with(numbers.tail(of_torques)));
     }
-    if (tolerance_rad < plan.tolerance_rad && own.kept.smooth()) {
+    if (tolerance_rad < plan.tolerance_rad) {
       own.tolerance_rad = tolerance_rad;
       own.few_kicks = false;
     }
     own.torque_evaluations.reset();
-    return std::shared_ptr<const Motion>(planned_motion(own, other, first_s, last_s, most).motion);
+    own.dropped_rad = 0.0;
+    return planned_motion(own, other, first_s, last_s, most);
   };
   moving.account = [account = std::move(planned.account)](double, double) { return account; };
   return moving;
@@ -164,7 +174,10 @@ Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<doub
   if (moving.under_torques) description.torque_evaluations = account.torque_evaluations;
   const Instant epoch = body.state->epoch;
   const double farthest_s = std::max(std::abs((first - epoch).high), std::abs((last - epoch).high));
-  if (auto caution = worth_text(body, farthest_s)) description.cautions.push_back(*std::move(caution));
+  const bool only_others_say_it = moving.uncertainty != body.uncertainty && !covariance;
+  if (auto caution = scene_worth_text(body, only_others_say_it, farthest_s)) {
+    description.cautions.push_back(*std::move(caution));
+  }
   if (tolerance_rad && format != nullptr) {
     description.tolerance_rad = tolerance_rad;
     description.interpolation = format->interpolation_text;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -14,6 +15,9 @@
 
 namespace polhode {
 
+/// A tolerance for BodyInMotion::motion_of that leaves the planned one.
+inline constexpr double kAsPlanned_rad = std::numeric_limits<double>::infinity();
+
 /// A body and its motion in an inertial frame: what the program and the Python package make ephemerides of.
 struct BodyInMotion {
   Body body;
@@ -24,10 +28,10 @@ struct BodyInMotion {
   std::function<MotionAccount(double first_s, double last_s)> account;
   bool under_torques = false;
   std::shared_ptr<const Uncertainty> uncertainty;  ///< the body's, and behind it that of the torques; null: exact
-  /// Under torques: the motion of another body at the same epoch, as planned for this one, or to a finer tolerance
-  /// where all torques are smooth. `numbers` are the values of `uncertainty`.
-  std::function<std::shared_ptr<const Motion>(const FreeBody&, const Eigen::VectorXd& numbers, double tolerance_rad)>
-      motion_of;
+  /// Under torques: the motion of another body at the same epoch, as planned for this one, or to a finer tolerance.
+  /// `numbers` are the values of `uncertainty`. The account's error is that of the propagation alone. Throws what
+  /// planned_motion() throws.
+  std::function<PlannedMotion(const FreeBody&, const Eigen::VectorXd& numbers, double tolerance_rad)> motion_of;
   double first_s = 0.0, last_s = 0.0;  ///< under torques: the span that the motion was made for
 
   /// The same between two instants. Throws InputError where they lie outside of the span.
@@ -40,6 +44,9 @@ BodyInMotion free_motion_of(Body body, Frame frame, const Method& method);
 /// One sigma of the attitude at the end of a scene's span by its body's uncertainties, without torques: at the end
 /// where it is less, if the span has two. 0 without uncertainties.
 double uncertain_at_end_rad(const Scene& scene);
+
+/// worth_text() of a scene's body, and what says more where the torques' own numbers are uncertain.
+std::optional<std::string> scene_worth_text(const Body& body, bool torques_are_uncertain, double farthest_s);
 
 /// The plan of a scene; `full` keeps every effect.
 Plan plan_of(const Scene& scene, bool full);

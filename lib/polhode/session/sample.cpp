@@ -26,7 +26,6 @@ namespace {
 constexpr std::size_t kAtOnce = 512;  // clones that a thread works on; a multiple of a block of bodies
 constexpr std::size_t kAtOnceUnderTorques = 4;
 constexpr std::chrono::milliseconds kWave{100};  // how long threads go on before their sums are added up
-constexpr double kAsPlanned_rad = std::numeric_limits<double>::infinity();
 constexpr std::uint32_t kMostAttempts = 1000;
 
 std::vector<double> times_of(const Sample& sample) {
@@ -84,7 +83,8 @@ void states_of_clones(const Sample& sample, const Clones& clones, const ElapsedT
   }
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     try {
-      sample.moving.motion_of(bodies[i], clones.numbers[i], kAsPlanned_rad)->batch(instants, part_of(out, i * count));
+      sample.moving.motion_of(bodies[i], clones.numbers[i], kAsPlanned_rad)
+          .motion->batch(instants, part_of(out, i * count));
     } catch (const ComputationError& error) {
       throw ComputationError(fmt::format("clone {}: {}", clones.first + i, error.what()));
     }

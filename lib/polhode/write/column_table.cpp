@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
@@ -59,6 +60,35 @@ std::string header_of(const ColumnTable& table, const std::string& date, const s
       "# schema: astropy-2.0\n",
       date, std::min(table.decimals, 9), scale);
   return out;
+}
+
+/// As FITS can have it: '_' for a character beyond ASCII, and no longer than a card.
+std::string fits_name(const std::string& name) {
+  constexpr std::size_t longest = 60;
+  std::string out;
+  for (const char c : name) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x80U) out += c;
+    if (byte >= 0xC0U) out += '_';  // where a character of several bytes begins
+  }
+  return out.substr(0, longest);
+}
+
+/// The table with a name for every kept column that no other column has, be its letters small or capital, as FITS
+/// takes them for the same: "given_" before those of ours, "_2" and so on behind those that come twice.
+ColumnTable with_names_of_their_own(ColumnTable table, const std::string& date, bool fits) {
+  std::set<std::string> ours{lower_case(date), "time"};
+  for (const auto& column : table.numbers) ours.insert(lower_case(column.name));
+  std::set<std::string> taken = ours;
+  for (std::size_t i = 0; i < table.kept.size(); ++i) {
+    std::string& name = table.kept[i].name;
+    if (fits) name = fits_name(name);
+    if (name.empty()) name = fmt::format("column_{}", i + 1);
+    if (ours.contains(lower_case(name)) || lower_case(name).starts_with("date_")) name = "given_" + name;
+    const std::string first_name = name;
+    for (int again = 2; !taken.insert(lower_case(name)).second; ++again) name = fmt::format("{}_{}", first_name, again);
+  }
+  return table;
 }
 
 /// A column of texts as their places among those that differ.
@@ -120,16 +150,17 @@ void write_fits_columns(const std::string& path, const ColumnTable& table) {
 
 }  // namespace
 
-void write_column_table(const std::string& path, const ColumnTable& table) {
+void write_column_table(const std::string& path, const ColumnTable& given) {
   const bool ecsv = lower_case(path).ends_with(".ecsv"), fits = is_fits_path(path);
-  if ((ecsv || fits) && (table.scale == TimeScale::et || table.scale == TimeScale::gps)) {
-    throw TimeScaleError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(table.scale)));
+  if ((ecsv || fits) && (given.scale == TimeScale::et || given.scale == TimeScale::gps)) {
+    throw TimeScaleError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(given.scale)));
   }
+  const std::string scale = lower_case(name(given.scale)), date = "date_" + scale;
+  const ColumnTable table = with_names_of_their_own(given, date, fits);
   if (fits) {
     write_fits_columns(path, table);
     return;
   }
-  const std::string scale = lower_case(name(table.scale)), date = "date_" + scale;
   OutputBytes file(path);
   std::string text = ecsv ? header_of(table, date, scale) : std::string();
   text += date;

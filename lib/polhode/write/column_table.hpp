@@ -20,11 +20,11 @@ struct ColumnTable {
   };
 
   TimeScale scale = TimeScale::tdb;
-  int decimals = 3;                   ///< of the dates' seconds
-  std::vector<std::string> dates;     ///< the first column, date_tdb or the like
-  std::vector<Instant> instants;      ///< the same, which FITS has as numbers
-  std::vector<NumberColumn> numbers;  ///< named with their units: range_m, phase_deg
-  std::vector<KeptColumn> kept;
+  int decimals = 3;                                        ///< of the dates' seconds
+  std::vector<std::string> dates;                          ///< the first column, date_tdb or the like
+  std::vector<Instant> instants;                           ///< the same, which FITS has as numbers
+  std::vector<NumberColumn> numbers;                       ///< named with their units: range_m, phase_deg
+  std::vector<KeptColumn> kept;                            ///< whose names are changed where another column has them
   std::vector<std::pair<std::string, std::string>> about;  ///< for the header, keys and texts
 };
 
