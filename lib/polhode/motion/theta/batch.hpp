@@ -118,10 +118,12 @@ inline bool are_structures(double* const* p, int components, std::ptrdiff_t stri
   return true;
 }
 
+/// Whether so many bytes of output are better written past the caches.
+inline bool is_larger_than_caches(std::size_t bytes) { return bytes > std::size_t{4} << 20U; }
+
 template <bool with_m, class At>
 inline void batch_with(const At& at, const BatchArguments& a) {
-  constexpr std::size_t larger_than_the_caches = 4u << 20;  // bytes
-  const bool streamed = a.count * (with_m ? 7 : 4) * sizeof(double) > larger_than_the_caches;
+  const bool streamed = is_larger_than_caches(a.count * (with_m ? 7 : 4) * sizeof(double));
   if (are_structures(a.q, 4, a.q_stride) && (!with_m || are_structures(a.m, 3, a.m_stride))) {
     return streamed ? batch_of_structures<StreamingSink, with_m>(at, a)
                     : batch_of_structures<CachedSink, with_m>(at, a);

@@ -21,9 +21,11 @@ inline void put_matrices(const Lanes (&c)[54], double* to, std::size_t here) {
   }
 }
 
-template <class At, class PartialsAt>
-inline void partials_batch_with(const At& at, const PartialsAt& partials_at, const PartialsBatchArguments& arguments) {
+template <class Sink, class At, class PartialsAt>
+inline void partials_batch_into(const At& at, const PartialsAt& partials_at, const PartialsBatchArguments& arguments) {
   const BatchArguments& a = arguments.states;
+  Sink sink(arguments.matrices);
+  alignas(sizeof(Lanes)) double whole[54 * kLanes];
   for (std::size_t i = 0; i < a.count; i += kLanes) {
     const std::size_t here = a.count - i < kLanes ? a.count - i : kLanes;
     Pair<Lanes> t{};
@@ -40,8 +42,24 @@ inline void partials_batch_with(const At& at, const PartialsAt& partials_at, con
       if (a.m[0] == nullptr) continue;
       for (int k = 0; k < 3; ++k) a.m[k][row * a.m_stride] = m[k][j];
     }
-    put_matrices(out, arguments.matrices + 54 * i, here);
+    if (here == kLanes) [[likely]] {
+      put_matrices(out, whole, kLanes);
+      for (std::size_t k = 0; k < 54; ++k) sink.push(load<Lanes>(whole + k * kLanes));
+    } else {
+      sink.finish();
+      put_matrices(out, arguments.matrices + 54 * i, here);
+      return;
+    }
   }
+  sink.finish();
+}
+
+template <class At, class PartialsAt>
+inline void partials_batch_with(const At& at, const PartialsAt& partials_at, const PartialsBatchArguments& arguments) {
+  if (is_larger_than_caches(arguments.states.count * 54 * sizeof(double))) {
+    return partials_batch_into<StreamingSink>(at, partials_at, arguments);
+  }
+  partials_batch_into<CachedSink>(at, partials_at, arguments);
 }
 
 }  // namespace POLHODE_TARGET
