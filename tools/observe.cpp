@@ -40,7 +40,7 @@ namespace {
 struct ObserveOptions {
   std::string body_file, output, start, stop, step, times, scale = "TDB";
   std::size_t count = 0;
-  bool scale_given = false;
+  bool scale_given = false, covariance = false;
   std::string target, observer = "geocentre", sun, site, centre = "Sun", trajectory_frame;
   EarthOrientation earth;
   std::string convention = "long-axis", frame = "ECLIPJ2000";
@@ -212,7 +212,7 @@ void observe_body(const ObserveOptions& options) {
   const auto* const scene = std::get_if<Scene>(&input);
   const Body& body = scene != nullptr ? scene->body : std::get<BodyAndHistory>(input).body;
   for (const std::string& warning : body.warnings) warn(options.body_file, warning);
-  const BodyInMotion moving = scene != nullptr ? planned_motion_of(*scene, false, std::nullopt)
+  const BodyInMotion moving = scene != nullptr ? planned_motion_of(*scene, options.covariance, std::nullopt)
                                                : free_motion_of(body, Frame::icrf, method("auto"));
   const TimeScale scale = in_option("--scale", [&] { return time_scale(options.scale); });
 
@@ -231,9 +231,14 @@ void observe_body(const ObserveOptions& options) {
 
   const Instant epoch = body.state->epoch;
   WantedRows rows = wanted_rows(options, epoch, scale);
-  std::vector<ObservedColumn> columns = options.target.empty()
-                                            ? observe(moving, directions_of(options, rows), rows.instants, wanted)
-                                            : observe(moving, sky_of(options, epoch), rows.instants, wanted);
+  const Sky sky = options.target.empty() ? Sky(directions_of(options, rows)) : Sky(sky_of(options, epoch));
+  std::vector<ObservedColumn> columns = observe(moving, sky, rows.instants, wanted);
+  if (options.covariance) {
+    for (ObservedColumn& sigma :
+         in_option("--covariance", [&] { return observe_sigmas(moving, sky, rows.instants, wanted); })) {
+      columns.push_back(std::move(sigma));
+    }
+  }
   std::ptrdiff_t dark = 0;
   for (const ObservedColumn& column : columns) {
     if (column.name == "magnitude") {
@@ -247,7 +252,8 @@ void observe_body(const ObserveOptions& options) {
     say("note: of a rotation about one axis the long axis and phi, theta, psi are not known: nan");
     for (ObservedColumn& column : columns) {
       const std::string& name = column.name;
-      if (name.starts_with("long_axis") || name == "phi_deg" || name == "theta_deg" || name == "psi_deg") {
+      if (name.find("long_axis") != std::string::npos || name.ends_with("phi_deg") || name.ends_with("theta_deg") ||
+          name.ends_with("psi_deg")) {
         std::fill(column.values.begin(), column.values.end(), std::numeric_limits<double>::quiet_NaN());
       }
     }
@@ -362,6 +368,8 @@ void add_observe(CLI::App& app) {
   command->add_option("--convention", options->convention, "Of phi, theta, psi: long-axis or short-axis")
       ->capture_default_str();
   command->add_option("--frame", options->frame, "Inertial frame that phi counts in")->capture_default_str();
+  command->add_flag("--covariance", options->covariance,
+                    "Add one sigma of each column that depends on the attitude, by the body's uncertainties");
   add_brightness_options(*command, *options);
   command->callback([options, command] {
     options->scale_given = command->get_option("--scale")->count() > 0;

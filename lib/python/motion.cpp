@@ -156,10 +156,11 @@ void bind_motion(nb::module_& m) {
                            self.max_error_rad ? fmt::format("{:.1e} rad", *self.max_error_rad) : "nothing promised");
       });
 
-  nb::class_<MotionObject>(
+  nb::class_<MotionObject> motion_class(
       m, "Motion",
       "The motion of a body, built once and answered at any time. `Body.motion` and `Scene.motion` make "
-      "it in named axes; FreeMotion and TorquedMotion in principal ones. Several threads may ask.")
+      "it in named axes; FreeMotion and TorquedMotion in principal ones. Several threads may ask.");
+  motion_class
       .def(
           "__call__",
           [](const std::shared_ptr<MotionObject>& self, double t) {
@@ -239,67 +240,6 @@ void bind_motion(nb::module_& m) {
       .def_prop_ro("partial_columns", &partial_columns_of, nb::sig("def partial_columns(self) -> list[str]"),
                    "Names of the columns of partials().")
       .def(
-          "observe",
-          [](const MotionObject& self, const nb::object& times, const nb::object& target, const nb::object& observer,
-             const nb::object& sun, const nb::object& site, const nb::object& directions, const std::string& centre,
-             const std::optional<std::string>& trajectory_frame, double ut1_minus_utc_s, double pole_x_arcsec,
-             double pole_y_arcsec, const std::string& convention, const std::string& frame, const nb::object& shape,
-             const std::optional<std::string>& shape_unit, const std::string& law, double lambert_weight,
-             double specular, std::optional<double> absolute_magnitude, std::optional<std::pair<double, double>> hg1g2,
-             std::optional<std::pair<double, double>> phase_polynomial, const std::optional<Given<Duration>>& exposure,
-             bool geometry, unsigned threads) {
-            return observe_motion(self, times,
-                                  {target,
-                                   observer,
-                                   sun,
-                                   site,
-                                   shape,
-                                   directions,
-                                   centre,
-                                   convention,
-                                   frame,
-                                   shape_unit.value_or(""),
-                                   law,
-                                   trajectory_frame,
-                                   {ut1_minus_utc_s, pole_x_arcsec, pole_y_arcsec},
-                                   lambert_weight,
-                                   specular,
-                                   absolute_magnitude,
-                                   hg1g2,
-                                   phase_polynomial,
-                                   exposure,
-                                   geometry,
-                                   threads});
-          },
-          "times"_a, "target"_a = nb::none(), nb::kw_only(), "observer"_a = "geocentre", "sun"_a = nb::none(),
-          "site"_a = nb::none(), "directions"_a = nb::none(), "centre"_a = "Sun", "trajectory_frame"_a = nb::none(),
-          "ut1_minus_utc_s"_a = 0.0, "pole_x_arcsec"_a = 0.0, "pole_y_arcsec"_a = 0.0, "convention"_a = "long-axis",
-          "frame"_a = "ECLIPJ2000", "shape"_a = nb::none(), "shape_unit"_a = nb::none(), "law"_a = "lommel-seeliger",
-          "lambert_weight"_a = 0.1, "specular"_a = 0.0, "H"_a = nb::none(), "hg1g2"_a = nb::none(),
-          "phase_polynomial"_a = nb::none(), "exposure"_a = nb::none(), "geometry"_a = true, "threads"_a = 0U,
-          nb::sig(
-              "def observe(self, times: typing.Any, target: Orbit | str | os.PathLike[str] | None = None, *, "
-              "observer: Orbit | str | os.PathLike[str] = 'geocentre', sun: Orbit | str | os.PathLike[str] | None = "
-              "None, site: tuple[float, float, float] | None = None, directions: "
-              "tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike, numpy.typing.ArrayLike] | None = None, centre: "
-              "str = 'Sun', trajectory_frame: str | None = None, ut1_minus_utc_s: float = 0.0, pole_x_arcsec: float "
-              "= 0.0, pole_y_arcsec: float = 0.0, convention: str = 'long-axis', frame: str = 'ECLIPJ2000', shape: "
-              "Mesh | str | os.PathLike[str] | numpy.typing.ArrayLike | None = None, shape_unit: str | None = None, "
-              "law: str = 'lommel-seeliger', lambert_weight: float = 0.1, specular: float = 0.0, H: float | None = "
-              "None, hg1g2: "
-              "tuple[float, float] | None = None, phase_polynomial: tuple[float, float] | None = None, exposure: "
-              "float | str | astropy.units.Quantity | None = None, geometry: bool = True, threads: int = 0) -> "
-              "dict[str, numpy.typing.NDArray[numpy.float64]]"),
-          "What an observer sees at times of reception: the columns of `polhode observe` as arrays of the times' "
-          "shape. "
-          "`target`, `observer` and `sun` are trajectories, files or Orbits (in the motion's frame, about `centre`, "
-          "seconds from its epoch); the observer may be 'geocentre', 'sun', or a `site` (longitude and latitude in "
-          "deg, "
-          "height in m). Instead of a target `directions` may give its astrometric geocentric right ascension and "
-          "declination (rad) and distance (m). A `shape` (semi-axes in m along the body's x, y, z, text as "
-          "on the command line, or a Mesh or its file with `shape_unit`) adds magnitude and area_m2. "
-          "`geometry=False` leaves all else away.")
-      .def(
           "condition_number",
           [](const MotionObject& self, const nb::object& t) {
             if (self.method == nullptr || !self.shape.empty())
@@ -314,6 +254,7 @@ void bind_motion(nb::module_& m) {
                                                  ? std::string("a body")
                                                  : fmt::format("({}) bodies", fmt::join(self.shape, ", ")));
       });
+  bind_observe(motion_class);
 
   m.def("FreeMotion", &free_motions, "moments"_a, "q"_a, "momentum"_a, nb::kw_only(), "method"_a = "auto",
         "threads"_a = 1U,

@@ -87,20 +87,8 @@ struct StateObject {
 FloatArray partials_of(const MotionObject& motion, const nb::object& t, unsigned threads);
 std::vector<std::string> partial_columns_of(const MotionObject& motion);
 
-/// Motion.observe(): columns by their names, arrays of the shape of the times.
-struct ObserveArguments {
-  nb::object target, observer, sun, site, shape, directions;
-  std::string centre, convention, frame, shape_unit, law;
-  std::optional<std::string> trajectory_frame;
-  EarthOrientation earth;
-  double lambert_weight, specular;
-  std::optional<double> absolute_magnitude;
-  std::optional<std::pair<double, double>> hg1g2, phase_polynomial;
-  std::optional<Given<Duration>> exposure;
-  bool geometry;
-  unsigned threads;
-};
-nb::dict observe_motion(const MotionObject& motion, const nb::object& times, const ObserveArguments& arguments);
+/// Motion.observe() and Motion.observe_partials().
+void bind_observe(nb::class_<MotionObject>& motion);
 
 /// The attitude of anything that has one, v_icrf = q v_body q*, for comparisons.
 std::function<Quaternion(Instant)> q_icrf_of(const MotionObject& motion);

@@ -198,18 +198,21 @@ EpochChange epoch_change(const Inertia& inertia, const Vector3& omega_named_rad_
   return out;
 }
 
-Matrix9 epoch_covariance(const Body& body) {
+Eigen::Matrix<double, 12, 12> epoch_covariance_with_axes(const Body& body) {
   const Known known = known_of(body);
   const Inertia inertia = separate_moments(known.inertia);
-  Eigen::Matrix<double, 9, Eigen::Dynamic> partials(9, static_cast<Eigen::Index>(known.uncertainty.numbers.size()));
+  const Matrix3& named_from_principal = inertia.named_from_principal;
+  Eigen::Matrix<double, 12, Eigen::Dynamic> partials(12, static_cast<Eigen::Index>(known.uncertainty.numbers.size()));
   for (Eigen::Index i = 0; i < partials.cols(); ++i) {
     const PrincipalChange change = principal_change(inertia, known.omega_named_rad_s,
                                                     known.uncertainty.numbers[static_cast<std::size_t>(i)].change);
-    partials.col(i) << inertia.named_from_principal * change.turn_rad, inertia.named_from_principal * change.momentum,
-        change.moments;
+    partials.col(i) << named_from_principal * change.turn_rad, named_from_principal * change.momentum, change.moments,
+        named_from_principal * change.axes_turn;
   }
   return partials * known.uncertainty.covariance * partials.transpose();
 }
+
+Matrix9 epoch_covariance(const Body& body) { return epoch_covariance_with_axes(body).topLeftCorner<9, 9>(); }
 
 double energy_sigma(const Body& body) {
   const Known known = known_of(body);

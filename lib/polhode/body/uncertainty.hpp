@@ -93,6 +93,10 @@ EpochChange epoch_change(const Inertia& inertia, const Vector3& omega_named_rad_
 /// partials of the motion are taken by. Throws InputError for a body without an uncertainty, inertia or rate.
 Eigen::Matrix<double, 9, 9> epoch_covariance(const Body& body);
 
+/// The same of (theta0, m0, I, axes), 12 x 12: and of a small turn of the principal axes in the body, in the named
+/// axes, which products of inertia bring.
+Eigen::Matrix<double, 12, 12> epoch_covariance_with_axes(const Body& body);
+
 /// One sigma of E/E0 = 2 E I3 / L^2. Throws as epoch_covariance() does.
 double energy_sigma(const Body& body);
 

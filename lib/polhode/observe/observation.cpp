@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <string_view>
 
 #include "polhode/base/error.hpp"
@@ -64,6 +65,14 @@ Moments moments_of(double exposure_s, double turned_rad) {
     }
   }
   return out;
+}
+
+/// Where a column is looked at for its derivative by a part of the state (rad, or a part of the momentum), and the
+/// derivative from the differences across the near and the far two: within 1e-13 where the column is smooth.
+constexpr double kStep = 1e-3;
+constexpr std::array<double, 4> kPlacesOfDerivative{kStep, -kStep, 2.0 * kStep, -2.0 * kStep};
+constexpr double derivative(double across_near, double across_far) {
+  return (8.0 * across_near - across_far) / (12.0 * kStep);
 }
 
 /// The instants that are computed together: what they need stays in the nearest cache.
@@ -128,10 +137,28 @@ class Observer {
       std::size_t column = 0;
       if (options_.geometry) {
         states(first, count, 0.0, work);
-        geometry(first, count, work, columns);
-        column = kGeometry.size();
+        std::array<double*, kGeometry.size()> to{};
+        for (double*& place : to) place = &columns[column++].values[first];
+        geometry(count, work, to);
       }
       if (options_.photometry) photometry(first, count, work, columns[column].values, columns[column + 1].values);
+    }
+  }
+
+  /// The derivatives of the same columns by the parameters of `states_by`, and by the scale of the shape.
+  void fill_partials(std::size_t begin, std::size_t end, const StatePartialsSource& states_by,
+                     std::vector<ObservedColumn>& columns) const {
+    ObserverWork work;
+    for (std::size_t first = begin; first < end; first += kBlock) {
+      const std::size_t count = std::min(kBlock, end - first);
+      std::size_t column = 0;
+      if (options_.geometry) {
+        geometry_partials(first, count, states_by, work, columns);
+        column = kGeometry.size();
+      }
+      if (options_.photometry) {
+        photometry_partials(first, count, states_by, work, columns[column].values, columns[column + 1].values);
+      }
     }
   }
 
@@ -153,15 +180,14 @@ class Observer {
     body_.motion->batch({{work.high, count}, {work.low, count}}, out);
   }
 
-  void geometry(std::size_t first, std::size_t count, const ObserverWork& work,
-                std::vector<ObservedColumn>& columns) const {
+  void geometry(std::size_t count, const ObserverWork& work, std::span<double* const> to) const {
     for (std::size_t i = 0; i < count; ++i) {
       const Sight& sight = work.sights[i];
       const State state{{work.q[0][i], work.q[1][i], work.q[2][i], work.q[3][i]},
                         {work.m[0][i], work.m[1][i], work.m[2][i]}};
       const Aspect aspect = aspect_of(sight, state, frame_);
       std::size_t column = 0;
-      const auto put = [&](double value) { columns[column++].values[first + i] = value; };
+      const auto put = [&](double value) { to[column++][i] = value; };
       const auto put_angle = [&](double rad) { put(rad / degree); };
       const auto put_axis = [&](const AxisOnSky& axis) {
         put_angle(axis.icrf.longitude_rad);
@@ -182,29 +208,32 @@ class Observer {
     }
   }
 
+  /// Distances in au, and the phase function, in the light of a body that is then 1 au from both.
+  double light_of_brightness(const Sight& sight) const {
+    const Photometry& photometry = *options_.photometry;
+    const double range_m = sight.observer_from_target_m.norm(), range = range_m / astronomical_unit_m;
+    if (range_m <= photometry.shape->radius_m()) {
+      throw InputError(
+          fmt::format("the observer is {:.6g} m from the middle of the body, whose largest radius is {:.6g} m", range_m,
+                      photometry.shape->radius_m()));
+    }
+    const double sun = sight.sun_from_target_m.norm() / astronomical_unit_m;
+    const double phase =
+        std::holds_alternative<std::monostate>(photometry.phase)
+            ? 1.0
+            : std::pow(10.0, -0.4 * phase_magnitude(photometry.phase, photometry.law, phase_of(sight)));
+    return phase / (range * range * sun * sun);
+  }
+
   void photometry(std::size_t first, std::size_t count, ObserverWork& work, std::vector<double>& magnitude,
                   std::vector<double>& area_m2) const {
-    const Photometry& photometry = *options_.photometry;
     const bool one_moment = moments_.offsets_s.size() == 1;
     std::array<double, kBlock> light{}, area{};  // sums over the exposure
     for (std::size_t moment = 0; moment < moments_.offsets_s.size(); ++moment) {
       if (!one_moment || !options_.geometry) states(first, count, moments_.offsets_s[moment], work);
       shine(count, work);
       for (std::size_t i = 0; i < count; ++i) {
-        const Sight& sight = work.sights[i];
-        // Distances in au, and the phase function, in the light of a body that is then 1 au from both.
-        const double range_m = sight.observer_from_target_m.norm(), range = range_m / astronomical_unit_m;
-        if (range_m <= photometry.shape->radius_m()) {
-          throw InputError(
-              fmt::format("the observer is {:.6g} m from the middle of the body, whose largest radius is {:.6g} m",
-                          range_m, photometry.shape->radius_m()));
-        }
-        const double sun = sight.sun_from_target_m.norm() / astronomical_unit_m;
-        const double phase =
-            std::holds_alternative<std::monostate>(photometry.phase)
-                ? 1.0
-                : std::pow(10.0, -0.4 * phase_magnitude(photometry.phase, photometry.law, phase_of(sight)));
-        light[i] += moments_.weights[moment] * phase * work.brightness[i] / (range * range * sun * sun);
+        light[i] += moments_.weights[moment] * light_of_brightness(work.sights[i]) * work.brightness[i];
         area[i] += moments_.weights[moment] * work.area[i];
       }
     }
@@ -218,6 +247,130 @@ class Observer {
       }
       area_m2[first + i] = area[i];
     }
+  }
+
+  /// d(theta, m)/d(parameters) at the emissions of a block, in principal axes: 6 rows for each.
+  std::vector<double> state_partials(std::size_t count, const StatePartialsSource& states_by,
+                                     const ObserverWork& work) const {
+    const std::size_t parameters = states_by.parameters.size();
+    std::vector<double> matrices(6 * parameters * count);
+    states_by.batch({{work.high, count}, {work.low, count}}, matrices);
+    const Matrix3 principal_from_named = body_.named_from_principal.transpose();
+    for (std::size_t i = 0; i < count; ++i) {
+      Eigen::Map<Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::RowMajor>> matrix(
+          &matrices[6 * parameters * i], 6, static_cast<Eigen::Index>(parameters));
+      for (const int row : {0, 3})
+        matrix.middleRows<3>(row) = (principal_from_named * matrix.middleRows<3>(row)).eval();
+    }
+    return matrices;
+  }
+
+  /// The states of a block, displaced by a part of a turn about a principal axis, or of the momentum along one.
+  static void displace(std::size_t count, const ObserverWork& from, int component, double part, ObserverWork& to) {
+    for (std::size_t i = 0; i < count; ++i) {
+      Quaternion q(from.q[0][i], from.q[1][i], from.q[2][i], from.q[3][i]);
+      Vector3 m(from.m[0][i], from.m[1][i], from.m[2][i]);
+      if (component < 3) {
+        q = q * Quaternion(Eigen::AngleAxisd(part, Vector3::Unit(component)));
+      } else {
+        m[component - 3] += part * m.norm();
+      }
+      to.q[0][i] = q.w(), to.q[1][i] = q.x(), to.q[2][i] = q.y(), to.q[3][i] = q.z();
+      for (Eigen::Index k = 0; k < 3; ++k) to.m[static_cast<std::size_t>(k)][i] = m[k];
+    }
+    to.sights = from.sights;
+  }
+
+  void geometry_partials(std::size_t first, std::size_t count, const StatePartialsSource& states_by, ObserverWork& work,
+                         std::vector<ObservedColumn>& columns) const {
+    states(first, count, 0.0, work);
+    const std::vector<double> matrices = state_partials(count, states_by, work);
+    const std::size_t parameters = states_by.parameters.size();
+    const std::size_t width = parameters + (options_.photometry ? 4 : 3);
+    ObserverWork displaced;
+    std::vector<double> values(kPlacesOfDerivative.size() * kGeometry.size() * kBlock);
+    for (int component = 0; component < 6; ++component) {
+      const auto value = [&](std::size_t place, std::size_t column) -> double* {
+        return &values[(place * kGeometry.size() + column) * kBlock];
+      };
+      for (std::size_t place = 0; place < kPlacesOfDerivative.size(); ++place) {
+        displace(count, work, component, kPlacesOfDerivative[place], displaced);
+        std::array<double*, kGeometry.size()> to{};
+        for (std::size_t column = 0; column < to.size(); ++column) to[column] = value(place, column);
+        geometry(count, displaced, to);
+      }
+      for (std::size_t column = 0; column < kGeometry.size(); ++column) {
+        const bool is_angle = kGeometry[column].ends_with("_deg");
+        for (std::size_t i = 0; i < count; ++i) {
+          const auto across = [&](std::size_t one, std::size_t other) {
+            const double difference = value(one, column)[i] - value(other, column)[i];
+            return is_angle ? std::remainder(difference, 360.0) : difference;
+          };
+          const double slope = derivative(across(0, 1), across(2, 3)) / (component < 3 ? 1.0 : momentum(work, i));
+          for (std::size_t p = 0; p < parameters; ++p) {
+            columns[column].values[(first + i) * width + p] +=
+                slope * matrices[(6 * i + static_cast<std::size_t>(component)) * parameters + p];
+          }
+          if (component < 3 && kGeometry[column].starts_with("sub_")) {
+            put_by_axes(component, slope, &columns[column].values[(first + i) * width + parameters]);
+          }
+        }
+      }
+    }
+  }
+
+  void photometry_partials(std::size_t first, std::size_t count, const StatePartialsSource& states_by,
+                           ObserverWork& work, std::vector<double>& magnitude, std::vector<double>& area_m2) const {
+    const std::size_t parameters = states_by.parameters.size(), width = parameters + 4;
+    std::vector<double> light(count), by_light(count * width);
+    ObserverWork displaced;
+    for (std::size_t moment = 0; moment < moments_.offsets_s.size(); ++moment) {
+      states(first, count, moments_.offsets_s[moment], work);
+      const std::vector<double> matrices = state_partials(count, states_by, work);
+      shine(count, work);
+      for (std::size_t i = 0; i < count; ++i) {
+        light[i] += moments_.weights[moment] * light_of_brightness(work.sights[i]) * work.brightness[i];
+        area_m2[(first + i + 1) * width - 1] += 2.0 * moments_.weights[moment] * work.area[i];  // by the scale
+      }
+      for (int component = 0; component < 3; ++component) {          // of the momentum nothing depends
+        std::array<std::array<double, kBlock>, 2> bright{}, area{};  // differences over the near and the far two places
+        for (std::size_t place = 0; place < kPlacesOfDerivative.size(); ++place) {
+          displace(count, work, component, kPlacesOfDerivative[place], displaced);
+          shine(count, displaced);
+          const double sign = place % 2 == 0 ? 1.0 : -1.0;
+          for (std::size_t i = 0; i < count; ++i) {
+            bright[place / 2][i] += sign * displaced.brightness[i];
+            area[place / 2][i] += sign * displaced.area[i];
+          }
+        }
+        for (std::size_t i = 0; i < count; ++i) {
+          const double weight = moments_.weights[moment];
+          const double by_turn = weight * light_of_brightness(work.sights[i]) * derivative(bright[0][i], bright[1][i]);
+          const double area_by_turn = weight * derivative(area[0][i], area[1][i]);
+          for (std::size_t p = 0; p < parameters; ++p) {
+            const double turn = matrices[(6 * i + static_cast<std::size_t>(component)) * parameters + p];
+            by_light[i * width + p] += by_turn * turn;
+            area_m2[(first + i) * width + p] += area_by_turn * turn;
+          }
+          put_by_axes(component, by_turn, &by_light[i * width + parameters]);
+          put_by_axes(component, area_by_turn, &area_m2[(first + i) * width + parameters]);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t p = 0; p < width; ++p) {
+        magnitude[(first + i) * width + p] = -2.5 / std::numbers::ln10 * by_light[i * width + p] / light[i];
+      }
+    }
+  }
+
+  /// Adds what a turn of the principal axes in the body does, seen from which it is one of the attitude backwards.
+  void put_by_axes(int component, double by_turn, double* to) const {
+    for (int named = 0; named < 3; ++named) to[named] -= by_turn * body_.named_from_principal(named, component);
+  }
+
+  static double momentum(const ObserverWork& work, std::size_t i) {
+    return Vector3(work.m[0][i], work.m[1][i], work.m[2][i]).norm();
   }
 
   /// Brightness and area of a block.
@@ -264,9 +417,20 @@ std::vector<std::string> observed_columns(const ObservationOptions& options) {
   return names;
 }
 
-std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const Instant> receptions,
-                                    const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
-                                    const ObservationOptions& options) {
+std::vector<std::string> observed_parameters(const StatePartialsSource& states_by, const ObservationOptions& options) {
+  std::vector<std::string> names = states_by.parameters;
+  names.insert(names.end(), {"axes_x", "axes_y", "axes_z"});
+  if (options.photometry) names.emplace_back("scale");
+  return names;
+}
+
+namespace {
+
+/// Columns of `width` numbers an instant, which `fill` fills in parts.
+template <class Fill>
+std::vector<ObservedColumn> filled_columns(const ObservedMotion& body, std::span<const Instant> receptions,
+                                           const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
+                                           const ObservationOptions& options, std::size_t width, const Fill& fill) {
   if (!(options.exposure_s >= 0.0 && std::isfinite(options.exposure_s))) {
     throw InputError(fmt::format("the exposure lasts {} s; 0 or more is wanted", options.exposure_s));
   }
@@ -280,12 +444,32 @@ std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const 
   }
   std::vector<ObservedColumn> columns;
   for (const std::string& name : observed_columns(options)) {
-    columns.push_back({name, std::vector<double>(receptions.size())});
+    columns.push_back({name, std::vector<double>(width * receptions.size())});
   }
   const Observer observer(body, receptions, sight_of, options);
   parallel_chunks(receptions.size(), kBlock, options.threads,
-                  [&](std::size_t begin, std::size_t end) { observer.fill(begin, end, columns); });
+                  [&](std::size_t begin, std::size_t end) { fill(observer, begin, end, columns); });
   return columns;
+}
+
+}  // namespace
+
+std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const Instant> receptions,
+                                    const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
+                                    const ObservationOptions& options) {
+  return filled_columns(body, receptions, sight_of, options, 1,
+                        [](const Observer& observer, std::size_t begin, std::size_t end,
+                           std::vector<ObservedColumn>& columns) { observer.fill(begin, end, columns); });
+}
+
+std::vector<ObservedColumn> observe_partials(const ObservedMotion& body, std::span<const Instant> receptions,
+                                             const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
+                                             const ObservationOptions& options, const StatePartialsSource& states_by) {
+  return filled_columns(
+      body, receptions, sight_of, options, observed_parameters(states_by, options).size(),
+      [&states_by](const Observer& observer, std::size_t begin, std::size_t end, std::vector<ObservedColumn>& columns) {
+        observer.fill_partials(begin, end, states_by, columns);
+      });
 }
 
 }  // namespace polhode

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -61,5 +62,25 @@ std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const 
 
 /// The names of the columns that observe() gives, in order.
 std::vector<std::string> observed_columns(const ObservationOptions& options);
+
+/// Partial derivatives of the motion's states.
+struct StatePartialsSource {
+  std::vector<std::string> parameters;  ///< "theta0_x" ..., as TorquedPartials::columns()
+  /// d(theta, m)/d(parameters) at these times: 6 rows for each, in the named axes. Called on several threads.
+  std::function<void(const TimeArrays& times, std::span<double> matrices)> batch;
+};
+
+/// The parameters of observe_partials(), in order: those of the states; "axes_x", "axes_y", "axes_z", a small turn of
+/// the principal axes in the named ones, whose motion stays as it is (rad, named axes); with photometry "scale", the
+/// relative change of all lengths of the shape.
+std::vector<std::string> observed_parameters(const StatePartialsSource& states_by, const ObservationOptions& options);
+
+/// The derivatives of the columns of observe() by these parameters, in the columns' units: as many numbers for each
+/// instant as there are parameters. By the state at emission through differences of fourth order (1e-12 of their size
+/// where a column is smooth), by the parameters through the states' own partials. The brightness of a mesh has kinks
+/// where facets turn into the light: there its slope is a mean over 2e-3 rad. Throws as observe().
+std::vector<ObservedColumn> observe_partials(const ObservedMotion& body, std::span<const Instant> receptions,
+                                             const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
+                                             const ObservationOptions& options, const StatePartialsSource& states_by);
 
 }  // namespace polhode

@@ -3,11 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
+#include <functional>
+#include <utility>
 
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/base/units.hpp"
+#include "polhode/motion/partials.hpp"
+#include "polhode/motion/theta.hpp"
+#include "polhode/motion/torqued_partials.hpp"
 #include "polhode/read/mesh_file.hpp"
 #include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
@@ -94,38 +100,108 @@ std::shared_ptr<const Shape> named_shape(const std::string& text, const std::str
   return mesh_shape(read_mesh(content_of(text), text), length_unit_m(mesh_unit));
 }
 
-std::vector<ObservedColumn> observe(const BodyInMotion& moving, const SkyRequest& sky,
-                                    std::span<const Instant> receptions, const ObservationOptions& options) {
+namespace {
+
+using SightOf = std::function<Sight(std::size_t index, Instant reception)>;
+
+/// What `observe` makes of the sights of one who is told a target.
+template <class Observe>
+auto with_sights(const BodyInMotion& moving, const SkyRequest& sky, std::span<const Instant> receptions,
+                 double exposure_s, const Observe& observe) {
   const Viewing viewing(sky.target, sky.observer, sky.sun);
   std::vector<Instant> ends(receptions.begin(), receptions.end());
   double light_time_s = 0.0;
   if (!ends.empty()) {
     const auto [first, last] = std::minmax_element(receptions.begin(), receptions.end());
     light_time_s = viewing.at(*first).light_time_s;
-    ends.push_back(*first + Seconds{-0.5 * options.exposure_s, 0.0});
-    ends.push_back(*last + Seconds{0.5 * options.exposure_s, 0.0});
+    ends.push_back(*first + Seconds{-0.5 * exposure_s, 0.0});
+    ends.push_back(*last + Seconds{0.5 * exposure_s, 0.0});
   }
   check_span(moving, ends, light_time_s);
   const Sights sights(viewing, ends);
-  return observe(
-      observed_motion(moving), receptions, [&sights](std::size_t, Instant reception) { return sights.at(reception); },
-      options);
+  return observe(SightOf([&sights](std::size_t, Instant reception) { return sights.at(reception); }));
 }
 
-std::vector<ObservedColumn> observe(const BodyInMotion& moving, std::span<const KnownDirection> directions,
-                                    std::span<const Instant> receptions, const ObservationOptions& options) {
+template <class Observe>
+auto with_sights(const BodyInMotion& moving, const std::vector<KnownDirection>& directions,
+                 std::span<const Instant> receptions, double exposure_s, const Observe& observe) {
   if (directions.size() != receptions.size()) throw InputError("as many directions as times are wanted");
   double farthest_m = 0.0;
   for (const KnownDirection& direction : directions) farthest_m = std::max(farthest_m, direction.range_m);
-  check_span(moving, receptions, farthest_m / speed_of_light_m_s + 0.5 * options.exposure_s);
-  return observe(
-      observed_motion(moving), receptions,
-      [&directions](std::size_t index, Instant reception) {
-        const KnownDirection& to = directions[index];
-        return sight_from_angles(earth_and_sun(reception).earth_m, to.right_ascension_rad, to.declination_rad,
-                                 to.range_m, reception);
-      },
-      options);
+  check_span(moving, receptions, farthest_m / speed_of_light_m_s + 0.5 * exposure_s);
+  return observe(SightOf([&directions](std::size_t index, Instant reception) {
+    const KnownDirection& to = directions[index];
+    return sight_from_angles(earth_and_sun(reception).earth_m, to.right_ascension_rad, to.declination_rad, to.range_m,
+                             reception);
+  }));
+}
+
+}  // namespace
+
+std::vector<ObservedColumn> observe(const BodyInMotion& moving, const Sky& sky, std::span<const Instant> receptions,
+                                    const ObservationOptions& options) {
+  const auto seen = [&](const SightOf& sight_of) {
+    return observe(observed_motion(moving), receptions, sight_of, options);
+  };
+  return std::visit([&](const auto& known) { return with_sights(moving, known, receptions, options.exposure_s, seen); },
+                    sky);
+}
+
+StatePartialsSource state_partials_of(const BodyInMotion& moving) {
+  if (dynamic_cast<const ThetaMotion*>(moving.motion.get()) != nullptr || !moving.under_torques) {
+    const auto partials = std::make_shared<const FreePartials>(moving.free);
+    return {{"theta0_x", "theta0_y", "theta0_z", "m0_x", "m0_y", "m0_z", "I1", "I2", "I3"},
+            [partials, body = moving.free](const TimeArrays& times, std::span<double> matrices) {
+              const std::size_t count = times.high.size();
+              std::vector<double> q(4 * count), m(3 * count);
+              partials->batch(times, StateArrays::of_structures(q.data(), m.data()), matrices);
+              constexpr std::size_t size = PartialsMatrix::SizeAtCompileTime;
+              for (std::size_t i = 0; i < count; ++i) {
+                Eigen::Map<PartialsMatrix> matrix(&matrices[size * i]);
+                matrix = named_partials(body, matrix);
+              }
+            }};
+  }
+  const auto* const torqued = dynamic_cast<const TorquedMotion*>(moving.motion.get());
+  if (torqued == nullptr) {
+    throw InputError("this motion was computed by few kicks, which have no partial derivatives: --full has them");
+  }
+  const auto partials = std::make_shared<const TorquedPartials>(*torqued);
+  return {partials->columns(),
+          [partials](const TimeArrays& times, std::span<double> matrices) { partials->batch(times, matrices); }};
+}
+
+std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const Sky& sky,
+                                             std::span<const Instant> receptions, const ObservationOptions& options,
+                                             const StatePartialsSource& states_by) {
+  const auto seen = [&](const SightOf& sight_of) {
+    return observe_partials(observed_motion(moving), receptions, sight_of, options, states_by);
+  };
+  return std::visit([&](const auto& known) { return with_sights(moving, known, receptions, options.exposure_s, seen); },
+                    sky);
+}
+
+std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky& sky,
+                                           std::span<const Instant> receptions, const ObservationOptions& options) {
+  if (moving.uncertainty != moving.body.uncertainty) {
+    throw InputError("the torques' numbers are uncertain, too, which columns have no sigmas of: draw clones");
+  }
+  const auto covariance = epoch_covariance_with_axes(moving.body);
+  const StatePartialsSource states_by = state_partials_of(moving);
+  const std::size_t width = observed_parameters(states_by, options).size();
+  std::vector<ObservedColumn> sigmas;
+  for (ObservedColumn& column : observe_partials(moving, sky, receptions, options, states_by)) {
+    if (column.name == "light_time_s" || column.name == "range_m" || column.name == "phase_deg") continue;
+    ObservedColumn& sigma = sigmas.emplace_back("sigma_" + column.name, std::vector<double>());
+    for (std::size_t i = 0; i < receptions.size(); ++i) {
+      const double* row = &column.values[i * width];
+      Eigen::Matrix<double, 12, 1> by;  // of the state, the moments and the axes: torques are exact
+      by << Eigen::Map<const Eigen::Matrix<double, 9, 1>>(row),
+          Eigen::Map<const Vector3>(row + states_by.parameters.size());
+      sigma.values.push_back(std::sqrt(std::max(0.0, by.dot(covariance * by))));
+    }
+  }
+  return sigmas;
 }
 
 }  // namespace polhode

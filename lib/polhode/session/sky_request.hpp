@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "polhode/observe/observation.hpp"
@@ -35,16 +36,29 @@ Site parse_site(const std::string& text, const EarthOrientation& earth);
 std::shared_ptr<const Shape> named_shape(const std::string& text, const std::string& mesh_unit,
                                          const ContentOf& content_of = read_text_file);
 
-/// What is seen at these instants. Throws InputError where a scene's motion does not hold them, besides what observe()
-/// throws.
-std::vector<ObservedColumn> observe(const BodyInMotion& moving, const SkyRequest& sky,
-                                    std::span<const Instant> receptions, const ObservationOptions& options);
-
-/// The same of a target whose astrometric direction from the geocentre and distance are known at each instant.
+/// The same, or the astrometric direction from the geocentre and the distance of the target at each instant.
 struct KnownDirection {
   double right_ascension_rad, declination_rad, range_m;
 };
-std::vector<ObservedColumn> observe(const BodyInMotion& moving, std::span<const KnownDirection> directions,
-                                    std::span<const Instant> receptions, const ObservationOptions& options);
+using Sky = std::variant<SkyRequest, std::vector<KnownDirection>>;
+
+/// What is seen at these instants. Throws InputError where a scene's motion does not hold them, and for another number
+/// of directions than of instants, besides what observe() throws.
+std::vector<ObservedColumn> observe(const BodyInMotion& moving, const Sky& sky, std::span<const Instant> receptions,
+                                    const ObservationOptions& options);
+
+/// The partial derivatives of the motion's states, in closed form if it is free, else of TorquedPartials. Throws
+/// InputError of a motion by few kicks, which has none.
+StatePartialsSource state_partials_of(const BodyInMotion& moving);
+
+/// The derivatives of what is seen by the parameters of `states_by`, and by the shape's scale: see observe_partials().
+std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const Sky& sky,
+                                             std::span<const Instant> receptions, const ObservationOptions& options,
+                                             const StatePartialsSource& states_by);
+
+/// One sigma of each column that depends on the attitude, "sigma_" before its name, by what is not known of the body,
+/// to first order. Throws InputError for a body without uncertainties and for a scene whose torques have them.
+std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky& sky,
+                                           std::span<const Instant> receptions, const ObservationOptions& options);
 
 }  // namespace polhode
