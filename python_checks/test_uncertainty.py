@@ -336,6 +336,27 @@ def test_numbers_of_torques_have_uncertainties(tmp_path):
     assert np.all(within < 0.7 * spread)  # a sigma of 2e-5 / sqrt(12)
 
 
+def test_numbers_of_torques_may_go_together(tmp_path):
+    (tmp_path / "ball.toml").write_text(BALL)
+    together = """[uncertainty]
+parameters = ["torque.2.coefficient_n_m_s", "torque.1.torque_n_m.z"]
+covariance = [[1e-10, 6e-11], [6e-11, 1e-10]]
+"""
+    (tmp_path / "scene.toml").write_text(PUSHED + together)
+    by_push, by_damping = 1e-5 * 1e4 / 4, -1e-5 * (np.radians(1.0) * 1e4 / 2 + 1e-4 * 1e6 / 12) / 2
+    expected = np.sqrt(by_push**2 + by_damping**2 + 2 * 0.6 * by_push * by_damping)
+    run("propagate", tmp_path / "scene.toml", "--covariance", "--count", 2, "-o", tmp_path / "rows.ecsv")
+    assert Table.read(tmp_path / "rows.ecsv")["sigma_rad"][1] == pytest.approx(expected, rel=1e-3)
+    for old, new, message in [
+        ("torque.2.coefficient_n_m_s", "torque.2.axes", "'torque.2.axes' is no number of the scene with its _sigma beside it; allowed are torque.1.torque_n_m.z, torque.2.coefficient_n_m_s"),
+        ("[[1e-10,", "[[4e-10,", "of torque.2.coefficient_n_m_s it gives a sigma of 2e-05, beside the number stands 1e-05"),
+        ("6e-11", "2e-10", "uncertainty.covariance: the covariance of"),
+    ]:
+        (tmp_path / "scene.toml").write_text(PUSHED + together.replace(old, new))
+        result = run("plan", tmp_path / "scene.toml", check=False)
+        assert result.returncode == 2 and message in result.stderr, result.stderr
+
+
 def test_a_scene_with_uncertain_torques_in_python(tmp_path):
     (tmp_path / "ball.toml").write_text(BALL)
     (tmp_path / "scene.toml").write_text(PUSHED)

@@ -15,6 +15,7 @@
 #include "polhode/read/toml_table.hpp"
 #include "polhode/read/torque_table.hpp"
 #include "polhode/read/trajectory_file.hpp"
+#include "polhode/read/uncertain_numbers.hpp"
 #include "polhode/time/scale.hpp"
 
 namespace polhode {
@@ -129,10 +130,13 @@ std::shared_ptr<const UncertainTorques> uncertain_torques(const TomlTable& root,
                                                           const Scene& scene, const std::filesystem::path& folder,
                                                           std::map<std::string, std::string, std::less<>> files) {
   UncertainTorques out;
+  std::vector<double> sigmas;
   for (const TomlTable::NumberWithSigma& number : numbers) {
     out.numbers.push_back({number.name(), number.value, {}});
-    out.sigmas.push_back(number.sigma);
+    sigmas.push_back(number.sigma);
   }
+  out.covariance = covariance_in_file(root, out.numbers, sigmas, "number of the scene with its _sigma beside it");
+  if (numbers.empty()) return nullptr;
   for (const TomlTable& torque : root.tables("torque")) {
     out.acts_on.push_back(std::ranges::any_of(
         numbers, [&, place = out.acts_on.size()](const auto& number) { return acts_on(number, torque, place); }));
@@ -178,7 +182,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
   const TomlTable root = TomlTable::parse_with_sigmas(content, path, {"orbit", "surface", "torque"}, uncertain);
   if (root.has("inertia") || root.has("state") || root.has("spin")) throw InputError({path, 0}, no_scene);
   root.allow_only({"name", "source", "body", "frame", "before", "after", "accuracy", "period_uncertainty", "orbit",
-                   "surface", "torque"});
+                   "surface", "torque", "uncertainty"});
   Scene scene;
   scene.name = root.text("name");
   scene.source = root.text("source");
@@ -233,8 +237,7 @@ Scene parse_scene(std::string_view content, const std::string& path, const Conte
     if (table.has("orbit")) name += ", " + table.text("orbit");
     scene.torque_names.push_back(std::move(name));
   }
-  if (!uncertain.empty())
-    scene.uncertain = uncertain_torques(root, std::move(uncertain), scene, folder, std::move(files));
+  scene.uncertain = uncertain_torques(root, std::move(uncertain), scene, folder, std::move(files));
   return scene;
 }
 

@@ -16,11 +16,11 @@
 
 namespace polhode {
 
-/// The numbers of a scene's orbits, surfaces and torques that are not exact, each by itself.
+/// The numbers of a scene's orbits, surfaces and torques that are not exact.
 struct UncertainTorques {
   std::vector<PublishedNumber> numbers;  ///< "torque.2.quality_factor", "orbit.earth.mu_m3_s2"; they change no body
-  std::vector<double> sigmas;
-  std::vector<bool> acts_on;  ///< which of the scene's torques have any of them
+  Eigen::MatrixXd covariance;            ///< of the values, in their units
+  std::vector<bool> acts_on;             ///< which of the scene's torques have any of them
   /// The torques with these values in the place of the scene's; an orbit's normal is taken at a right angle to its
   /// direction to periapsis. Throws InputError where there are none.
   std::function<Torques(const Eigen::VectorXd& values)> torques_with;

@@ -23,6 +23,51 @@ double checked_sigma(const TomlTable& table, std::string_view key, double sigma)
 
 }  // namespace
 
+Eigen::MatrixXd covariance_in_file(const TomlTable& root, std::span<const PublishedNumber> numbers,
+                                   std::span<const double> sigmas, std::string_view which) {
+  Eigen::MatrixXd covariance = independent(sigmas);
+  if (!root.has("uncertainty")) return covariance;
+  const TomlTable table = root.table("uncertainty");
+  table.allow_only({"parameters", "covariance"});
+  std::vector<std::size_t> listed;
+  Uncertainty alone;  // of those that are listed
+  for (const std::string& name : table.texts("parameters")) {
+    const auto found = std::find_if(numbers.begin(), numbers.end(),
+                                    [&](const PublishedNumber& number) { return number.name == name; });
+    if (found == numbers.end()) {
+      std::vector<std::string_view> names;
+      for (const PublishedNumber& number : numbers) names.emplace_back(number.name);
+      throw table.error("parameters",
+                        fmt::format("'{:.60}' is no {}; allowed are {}", name, which, fmt::join(names, ", ")));
+    }
+    const auto i = static_cast<std::size_t>(found - numbers.begin());
+    if (std::find(listed.begin(), listed.end(), i) != listed.end()) {
+      throw table.error("parameters", fmt::format("'{:.60}' stands there twice", name));
+    }
+    listed.push_back(i);
+    alone.numbers.push_back(*found);
+  }
+  if (listed.empty()) throw table.error("parameters", "found an empty list, names of parameters are wanted");
+  const std::vector<std::vector<double>> rows = table.square("covariance", listed.size());
+  const auto size = static_cast<Eigen::Index>(listed.size());
+  alone.covariance.resize(size, size);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      alone.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = rows[i][k];
+    }
+  }
+  table.located("covariance", [&] { alone.check(); });
+  for (std::size_t i = 0; i < listed.size(); ++i) {
+    const double sigma = alone.sigma(i), beside = sigmas[listed[i]];
+    if (beside > 0.0 && std::abs(beside - sigma) > 0.01 * sigma) {
+      throw table.error("covariance", fmt::format("of {} it gives a sigma of {:.6g}, beside the number stands {:.6g}",
+                                                  alone.numbers[i].name, sigma, beside));
+    }
+  }
+  covariance(listed, listed) = alone.covariance;
+  return covariance;
+}
+
 std::size_t UncertainNumbers::add(const TomlTable& table, std::string_view key,
                                   std::initializer_list<std::string_view> parts) {
   const std::size_t place = numbers_.size();
@@ -36,7 +81,8 @@ std::size_t UncertainNumbers::add(const TomlTable& table, std::string_view key,
   for (std::size_t i = 0; i < values.size(); ++i) {
     std::string name(key);
     if (!single) name.append(1, '.').append(parts.begin()[i]);
-    numbers_.push_back({{std::move(name), values[i], {}}, sigmas[i]});
+    numbers_.push_back({std::move(name), values[i], {}});
+    sigmas_.push_back(sigmas[i]);
     values_.push_back(values[i]);
   }
   return place;
@@ -55,8 +101,8 @@ std::size_t UncertainNumbers::add_symmetric(const TomlTable& table, std::string_
   }
   for (int i = 0; i < 3; ++i) {
     for (int k = i; k < 3; ++k) {
-      numbers_.push_back({{fmt::format("{}.{}{}", key, "xyz"[i], "xyz"[k]), values(i, k), {}},
-                          checked_sigma(table, sigma, sigmas(i, k))});
+      numbers_.push_back({fmt::format("{}.{}{}", key, "xyz"[i], "xyz"[k]), values(i, k), {}});
+      sigmas_.push_back(checked_sigma(table, sigma, sigmas(i, k)));
       values_.push_back(values(i, k));
     }
   }
@@ -64,7 +110,7 @@ std::size_t UncertainNumbers::add_symmetric(const TomlTable& table, std::string_
 }
 
 void UncertainNumbers::set_changes(std::size_t place, std::vector<EpochChange> changes) {
-  for (EpochChange& change : changes) numbers_[place++].published.change = std::move(change);
+  for (EpochChange& change : changes) numbers_[place++].change = std::move(change);
 }
 
 void UncertainNumbers::make(Body& body, BodyPart part) {
@@ -78,73 +124,20 @@ double UncertainNumbers::sigma_beside(const TomlTable& table, std::string_view k
 }
 
 void UncertainNumbers::follow(const std::function<void(EpochChange&)>& effect) {
-  for (Number& number : numbers_) effect(number.published.change);
+  for (PublishedNumber& number : numbers_) effect(number.change);
 }
 
 std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(const TomlTable& root, Body blank) const {
-  std::vector<bool> uncertain(numbers_.size());
-  for (std::size_t i = 0; i < numbers_.size(); ++i) uncertain[i] = numbers_[i].sigma > 0.0;
-  std::vector<std::size_t> listed;
-  Eigen::MatrixXd of_listed;
-  if (root.has("uncertainty")) {
-    const TomlTable table = root.table("uncertainty");
-    table.allow_only({"parameters", "covariance"});
-    for (const std::string& name : table.texts("parameters")) {
-      const auto found = std::find_if(numbers_.begin(), numbers_.end(),
-                                      [&](const Number& number) { return number.published.name == name; });
-      if (found == numbers_.end()) {
-        std::vector<std::string_view> names;
-        for (const Number& number : numbers_) names.emplace_back(number.published.name);
-        throw table.error("parameters", fmt::format("'{:.60}' is no number of this file; allowed are {}", name,
-                                                    fmt::join(names, ", ")));
-      }
-      const auto i = static_cast<std::size_t>(found - numbers_.begin());
-      if (std::find(listed.begin(), listed.end(), i) != listed.end()) {
-        throw table.error("parameters", fmt::format("'{:.60}' stands there twice", name));
-      }
-      listed.push_back(i);
-      uncertain[i] = true;
-    }
-    if (listed.empty()) throw table.error("parameters", "found an empty list, names of parameters are wanted");
-    const std::vector<std::vector<double>> rows = table.square("covariance", listed.size());
-    of_listed.resize(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(rows.size()));
-    Uncertainty alone;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-      alone.numbers.push_back(numbers_[listed[i]].published);
-      for (std::size_t k = 0; k < rows.size(); ++k) {
-        of_listed(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = rows[i][k];
-      }
-    }
-    alone.covariance = of_listed;
-    table.located("covariance", [&] { alone.check(); });
-    for (std::size_t i = 0; i < listed.size(); ++i) {
-      const Number& number = numbers_[listed[i]];
-      const double sigma = alone.sigma(i);
-      if (number.sigma > 0.0 && std::abs(number.sigma - sigma) > 0.01 * sigma) {
-        throw table.error("covariance", fmt::format("of {} it gives a sigma of {:.6g}, beside the number stands {:.6g}",
-                                                    number.published.name, sigma, number.sigma));
-      }
-    }
-  }
+  const Eigen::MatrixXd covariance = covariance_in_file(root, numbers_, sigmas_, "number of this file");
   Uncertainty all;
   std::vector<std::size_t> places;
-  std::vector<Eigen::Index> row_of(numbers_.size(), -1);
-  std::vector<double> sigmas;
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
-    if (!uncertain[i]) continue;
-    row_of[i] = static_cast<Eigen::Index>(all.numbers.size());
-    all.numbers.push_back(numbers_[i].published);
+    if (!(covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i)) > 0.0)) continue;
+    all.numbers.push_back(numbers_[i]);
     places.push_back(i);
-    sigmas.push_back(numbers_[i].sigma);
   }
   if (all.numbers.empty()) return nullptr;
-  all.covariance = independent(sigmas);
-  for (std::size_t i = 0; i < listed.size(); ++i) {
-    for (std::size_t k = 0; k < listed.size(); ++k) {
-      all.covariance(row_of[listed[i]], row_of[listed[k]]) =
-          of_listed(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
-    }
-  }
+  all.covariance = covariance(places, places);
   all.body_with = [blank = std::move(blank), parts = parts_, published = values_,
                    places = std::move(places)](const Eigen::VectorXd& values) {
     if (values.size() != static_cast<Eigen::Index>(places.size())) {

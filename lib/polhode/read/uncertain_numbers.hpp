@@ -12,6 +12,12 @@
 
 namespace polhode {
 
+/// The covariance of these numbers of a file, of which each has a sigma, or 0: they are independent, but for those that
+/// the table [uncertainty] of `root` lists. Throws InputError where it lists what is not among them (they are `which`),
+/// or its covariance is none or gives one of them another sigma.
+Eigen::MatrixXd covariance_in_file(const TomlTable& root, std::span<const PublishedNumber> numbers,
+                                   std::span<const double> sigmas, std::string_view which);
+
 /// Makes a part of a body of the numbers of its file, or of others in their place: all else that the file says of this
 /// part is in it. Throws InputError where no body has them.
 using BodyPart = std::function<void(std::span<const double> numbers, Body& body)>;
@@ -39,16 +45,12 @@ class UncertainNumbers {
   void follow(const std::function<void(EpochChange&)>& effect);
 
   /// What is uncertain: numbers with a sigma, and those of the table [uncertainty] of `root`, if it has one. Null: all
-  /// are exact. `blank` is the body before any of its parts is
-  /// made.
+  /// are exact. `blank` is the body before any of its parts is made.
   std::shared_ptr<const Uncertainty> uncertainty(const TomlTable& root, Body blank) const;
 
  private:
-  struct Number {
-    PublishedNumber published;
-    double sigma = 0.0;
-  };
-  std::vector<Number> numbers_;
+  std::vector<PublishedNumber> numbers_;
+  std::vector<double> sigmas_;  // of the numbers
   std::vector<double> values_;  // of the numbers
   std::vector<BodyPart> parts_;
 };

@@ -90,7 +90,7 @@ std::shared_ptr<const Uncertainty> with_torques(const Scene& scene) {
   const auto of_torques = static_cast<Eigen::Index>(torques.numbers.size());
   all.numbers.insert(all.numbers.end(), torques.numbers.begin(), torques.numbers.end());
   all.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(of_body + of_torques, of_body + of_torques));
-  all.covariance.bottomRightCorner(of_torques, of_torques) = independent(torques.sigmas);
+  all.covariance.bottomRightCorner(of_torques, of_torques) = torques.covariance;
   Body exact = scene.body;
   exact.uncertainty.reset();
   all.body_with = [of_body, of_torques, with = all.body_with, exact,
