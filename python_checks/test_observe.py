@@ -392,6 +392,26 @@ def test_columns_that_are_kept_have_names_of_their_own(tmp_path):
         assert len({name.lower() for name in rows.colnames}) == len(rows.colnames)
 
 
+def test_a_satellite_with_plates():
+    """The mesh of data/scenes/satellite, whose plates bound no solid: a darker array, and one that glints."""
+    motion = polhode.read(ROOT / "data/bodies/envisat.toml").motion()
+    options = dict(shape=ROOT / "data/scenes/satellite/envisat-36.obj", shape_unit="m", law="lambert", geometry=False)
+    times = np.arange(0, 400, 2.0) - 160 * 86400
+    with pytest.raises(InputError, match="the surface is open"):
+        motion.observe(times, WAY, **options)
+    plates = {"body": (0.5, 0), "array": (0.5, 0, 2), "antenna": (0.5, 0, 2), "dish": (0.5, 0, 2)}
+    alike = motion.observe(times, WAY, surfaces=plates, **options)
+    dark = motion.observe(times, WAY, surfaces={**plates, "array": (0.0, 0, 2)}, **options)
+    assert np.array_equal(alike["area_m2"], dark["area_m2"]) and alike["area_m2"].max() > 20
+    # Magnitudes are relative to the mean over all directions, which is less without the array: the bodies' own parts.
+    flux = {name: 10 ** (-0.4 * rows["magnitude"]) for name, rows in (("alike", alike), ("dark", dark))}
+    assert np.std(flux["dark"] / flux["alike"]) > 0.05
+    for wrong, message in [({"wing": (1, 0)}, "no surface 'wing'; it names body, array, antenna, dish"), ({"body": (1, 0, 3)}, "1 or 2 sides"),
+                           ({"body": (2, 0)}, "parts from 0 to 1")]:  # fmt: skip
+        with pytest.raises(InputError, match=message):
+            motion.observe(times, WAY, surfaces=wrong, **options)
+
+
 # --- What else there is -----------------------------------------------------------------------------------------------
 
 

@@ -47,6 +47,7 @@ struct ObserveOptions {
   std::string shape, shape_unit, law = "lommel-seeliger", exposure;
   double lambert_weight = 0.1, specular = 0.0;
   std::optional<double> absolute_magnitude;
+  std::vector<std::string> surfaces;
   std::vector<double> hg1g2, phase_polynomial;
 };
 
@@ -119,7 +120,13 @@ WantedRows wanted_rows(const ObserveOptions& options, Instant epoch, TimeScale s
 
 Photometry photometry_of(const ObserveOptions& options) {
   Photometry out;
-  out.shape = in_option("--shape", [&] { return named_shape(options.shape, options.shape_unit); });
+  std::map<std::string, SurfaceShine, std::less<>> surfaces;
+  for (const std::string& text : options.surfaces) {
+    in_option("--surface", [&] {
+      if (!surfaces.insert(parse_surface(text)).second) throw InputError(fmt::format("'{:.60}' comes twice", text));
+    });
+  }
+  out.shape = in_option("--shape", [&] { return named_shape(options.shape, options.shape_unit, surfaces); });
   out.law = in_option("--law", [&] { return scattering_law(options.law, options.lambert_weight); });
   if (!(options.specular >= 0.0 && options.specular <= 1.0)) {
     throw OptionError(fmt::format("--specular is {}; a part from 0 to 1 is wanted", options.specular));
@@ -225,7 +232,8 @@ void observe_body(const ObserveOptions& options) {
   if (!options.shape.empty()) {
     wanted.photometry = photometry_of(options);
   } else if (!options.exposure.empty() || options.absolute_magnitude || !options.shape_unit.empty() ||
-             !options.hg1g2.empty() || !options.phase_polynomial.empty() || options.law != "lommel-seeliger") {
+             !options.surfaces.empty() || !options.hg1g2.empty() || !options.phase_polynomial.empty() ||
+             options.law != "lommel-seeliger") {
     throw OptionError("--shape is missing: laws, phase functions, magnitudes and exposures are of a shape");
   }
 
@@ -307,6 +315,10 @@ void add_brightness_options(CLI::App& command, ObserveOptions& options) {
                   "Of a mesh: the part of the light that its facets throw on like mirrors, in which the Sun's disc is "
                   "seen; beside the law's")
       ->capture_default_str();
+  command.add_option(
+      "--surface", options.surfaces,
+      "NAME=DIFFUSE,SPECULAR[,SIDES]: of the facets to which the mesh gives this name, the part of the law's "
+      "light and that of the mirror's, and 2 sides for plates; may be given several times");
   command.add_option("-H,--absolute-magnitude", options.absolute_magnitude,
                      "H, of the mean of all directions at phase 0; without it magnitudes are relative, as for H = 0");
   command.add_option("--hg1g2", options.hg1g2, "G1 and G2 of the phase function H, G1, G2")->expected(2);

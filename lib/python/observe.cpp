@@ -1,7 +1,9 @@
 #include <fmt/format.h>
+#include <nanobind/stl/map.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "polhode/base/error.hpp"
@@ -14,7 +16,7 @@ namespace polhode::python {
 namespace {
 
 struct ObserveArguments {
-  nb::object target, observer, sun, site, shape, directions;
+  nb::object target, observer, sun, site, shape, directions, surfaces;
   std::string centre, convention, frame, shape_unit, law;
   std::optional<std::string> trajectory_frame;
   EarthOrientation earth;
@@ -38,14 +40,25 @@ Place place_of(const nb::object& what, const ObserveArguments& arguments, const 
   return named_place(kind_of(what, static_cast<FileName*>(nullptr)).path, request);
 }
 
-std::shared_ptr<const polhode::Shape> shape_of(const nb::object& what, const std::string& unit) {
+std::shared_ptr<const polhode::Shape> shape_of(const nb::object& what, const std::string& unit,
+                                               const nb::object& given) {
+  std::map<std::string, SurfaceShine, std::less<>> surfaces;
+  if (!given.is_none()) {
+    for (const auto& [name, parts] : nb::cast<std::map<std::string, std::vector<double>>>(given)) {
+      const bool whole = parts.size() == 2 || (parts.size() == 3 && (parts[2] == 1.0 || parts[2] == 2.0));
+      if (!whole)
+        throw InputError(fmt::format("surface '{:.40}': (diffuse, specular) or these and 1 or 2 sides", name));
+      surfaces[name] = {parts[0], parts[1], parts.size() == 3 && parts[2] == 2.0};
+    }
+  }
   if (nb::isinstance<TriangleMesh>(what)) {
     if (unit.empty()) throw InputError("shape_unit is wanted, the unit of the mesh's coordinates: 'm', 'km'");
-    return mesh_shape(nb::cast<const TriangleMesh&>(what), length_unit_m(unit));
+    return mesh_shape(nb::cast<const TriangleMesh&>(what), length_unit_m(unit), surfaces);
   }
   if (nb::isinstance<nb::str>(what) || nb::hasattr(what, "__fspath__")) {
-    return named_shape(kind_of(what, static_cast<FileName*>(nullptr)).path, unit);
+    return named_shape(kind_of(what, static_cast<FileName*>(nullptr)).path, unit, surfaces);
   }
+  if (!surfaces.empty()) throw InputError("surfaces are of a mesh, which gives them names; this is an ellipsoid");
   return ellipsoid_shape(numbers_of(what, "m").vector3("the semi-axes"));
 }
 
@@ -95,7 +108,7 @@ Asked asked(const MotionObject& motion, const nb::object& times, const ObserveAr
   if (arguments.exposure) options.exposure_s = (*arguments.exposure)->seconds.high;
   if (!arguments.shape.is_none()) {
     Photometry photometry;
-    photometry.shape = shape_of(arguments.shape, arguments.shape_unit);
+    photometry.shape = shape_of(arguments.shape, arguments.shape_unit, arguments.surfaces);
     photometry.law = scattering_law(arguments.law, arguments.lambert_weight);
     if (!(arguments.specular >= 0.0 && arguments.specular <= 1.0)) throw InputError("specular is a part from 0 to 1");
     photometry.law.specular = arguments.specular;
@@ -109,7 +122,7 @@ Asked asked(const MotionObject& motion, const nb::object& times, const ObserveAr
     }
     options.photometry = std::move(photometry);
   } else if (arguments.exposure || arguments.absolute_magnitude || arguments.hg1g2 || arguments.phase_polynomial ||
-             arguments.law != "lommel-seeliger") {
+             !arguments.surfaces.is_none() || arguments.law != "lommel-seeliger") {
     throw InputError("shape is missing: laws, phase functions, magnitudes and exposures are of a shape");
   }
 
@@ -175,6 +188,7 @@ constexpr const char* kArguments =
     "str = 'Sun', trajectory_frame: str | None = None, ut1_minus_utc_s: float = 0.0, pole_x_arcsec: float "
     "= 0.0, pole_y_arcsec: float = 0.0, convention: str = 'long-axis', frame: str = 'ECLIPJ2000', shape: "
     "Mesh | str | os.PathLike[str] | numpy.typing.ArrayLike | None = None, shape_unit: str | None = None, "
+    "surfaces: dict[str, tuple[float, ...]] | None = None, "
     "law: str = 'lommel-seeliger', lambert_weight: float = 0.1, specular: float = 0.0, H: float | None = "
     "None, hg1g2: tuple[float, float] | None = None, phase_polynomial: tuple[float, float] | None = None, exposure: "
     "float | str | astropy.units.Quantity | None = None, geometry: bool = True, threads: int = 0";
@@ -191,8 +205,8 @@ void define(nb::class_<MotionObject>& motion, const char* name, const std::strin
                const nb::object& sun, const nb::object& site, const nb::object& directions, const std::string& centre,
                const std::optional<std::string>& trajectory_frame, double ut1_minus_utc_s, double pole_x_arcsec,
                double pole_y_arcsec, const std::string& convention, const std::string& frame, const nb::object& shape,
-               const std::optional<std::string>& shape_unit, const std::string& law, double lambert_weight,
-               double specular, std::optional<double> absolute_magnitude,
+               const std::optional<std::string>& shape_unit, const nb::object& surfaces, const std::string& law,
+               double lambert_weight, double specular, std::optional<double> absolute_magnitude,
                std::optional<std::pair<double, double>> hg1g2,
                std::optional<std::pair<double, double>> phase_polynomial,
                const std::optional<Given<Duration>>& exposure, bool geometry, unsigned threads, More... others) {
@@ -202,6 +216,7 @@ void define(nb::class_<MotionObject>& motion, const char* name, const std::strin
                                          site,
                                          shape,
                                          directions,
+                                         surfaces,
                                          centre,
                                          convention,
                                          frame,
@@ -222,10 +237,10 @@ void define(nb::class_<MotionObject>& motion, const char* name, const std::strin
       "times"_a, "target"_a = nb::none(), nb::kw_only(), "observer"_a = "geocentre", "sun"_a = nb::none(),
       "site"_a = nb::none(), "directions"_a = nb::none(), "centre"_a = "Sun", "trajectory_frame"_a = nb::none(),
       "ut1_minus_utc_s"_a = 0.0, "pole_x_arcsec"_a = 0.0, "pole_y_arcsec"_a = 0.0, "convention"_a = "long-axis",
-      "frame"_a = "ECLIPJ2000", "shape"_a = nb::none(), "shape_unit"_a = nb::none(), "law"_a = "lommel-seeliger",
-      "lambert_weight"_a = 0.1, "specular"_a = 0.0, "H"_a = nb::none(), "hg1g2"_a = nb::none(),
-      "phase_polynomial"_a = nb::none(), "exposure"_a = nb::none(), "geometry"_a = true, "threads"_a = 0U, extra...,
-      nb::sig(signature.c_str()), text);
+      "frame"_a = "ECLIPJ2000", "shape"_a = nb::none(), "shape_unit"_a = nb::none(), "surfaces"_a = nb::none(),
+      "law"_a = "lommel-seeliger", "lambert_weight"_a = 0.1, "specular"_a = 0.0, "H"_a = nb::none(),
+      "hg1g2"_a = nb::none(), "phase_polynomial"_a = nb::none(), "exposure"_a = nb::none(), "geometry"_a = true,
+      "threads"_a = 0U, extra..., nb::sig(signature.c_str()), text);
 }
 
 }  // namespace
@@ -238,7 +253,10 @@ void bind_observe(nb::class_<MotionObject>& motion) {
       "seconds from its epoch); the observer may be 'geocentre', 'sun', or a `site` (longitude and latitude in deg, "
       "height in m). Instead of a target `directions` may give its astrometric geocentric right ascension and "
       "declination (rad) and distance (m). A `shape` (semi-axes in m along the body's x, y, z, text as on the command "
-      "line, or a Mesh or its file with `shape_unit`) adds magnitude and area_m2. `geometry=False` leaves all else "
+      "line, or a Mesh or its file with `shape_unit`) adds magnitude and area_m2; `surfaces` has of those that the "
+      "mesh names the parts of light "
+      "that they scatter by the law and throw on like mirrors, and, of plates, 2 for their sides. `geometry=False` "
+      "leaves all else "
       "away. `covariance` adds sigma_... of each column that depends on the attitude, by the body's uncertainties.",
       &seen, "covariance"_a = false);
   define<>(

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <random>
@@ -197,6 +198,66 @@ TEST(Scattering, ACubeGlintsFourTimesATurn) {
   EXPECT_NEAR(bright * 2.0 * pi / steps, 4.0 * kSunRadius_rad, 8 * 2.0 * pi / steps);
   const double sine = std::sin(kSunRadius_rad);
   EXPECT_NEAR(brightest, 0.3 * 4.0 * std::cos(0.5 * phase) / (sine * sine), 0.01 * brightest);  // a face of 4 m2
+}
+
+TEST(Scattering, SurfacesShineByThemselves) {
+  for (const double apart : {0.0, 3.0}) {  // one cube, which is convex, or two that may hide each other
+    TriangleMesh mesh;
+    add_box(mesh, {-1, -1, -1}, {1, 1, 1});
+    if (apart != 0.0) add_box(mesh, {-1, -1 + apart, -1}, {1, 1 + apart, 1});
+    mesh.surface_names = {"foil", "panel"};
+    for (const auto& facet : mesh.facets) {
+      const Vector3 &a = mesh.vertices[facet[0]], &b = mesh.vertices[facet[1]], &c = mesh.vertices[facet[2]];
+      mesh.surface_of_facet.push_back((b - a).cross(c - a).x() > 0.5 ? 1 : 0);  // +x is a panel
+    }
+    ScatteringLaw law = scattering_law("lambert");
+    law.specular = 0.1;
+    const auto shape = mesh_shape(mesh, 1.0, {{"panel", {0.25, 0.5}}});
+    const double faces = apart == 0.0 ? 4.0 : 8.0;  // m2 of one side
+    const double lit = std::cos(0.2), mirrored = std::pow(std::sin(kSunRadius_rad), -2);
+    for (const double sign : {1.0, -1.0}) {
+      const Vector3 observer(sign * std::cos(0.2), 0, std::sin(0.2)), sun(sign * std::cos(0.2), 0, -std::sin(0.2));
+      const double diffuse = sign > 0.0 ? 0.25 : 1.0, specular = sign > 0.0 ? 0.5 : 0.1;
+      // (Besides, nothing is lit and seen: the sides lie along both directions, or away from one.)
+      EXPECT_NEAR(shape->light(observer, sun, law).brightness_m2,
+                  faces * (diffuse * lit * lit + specular * lit * mirrored), 1e-9 * mirrored);
+      EXPECT_NEAR(shape->light(observer, sun, law).area_m2, faces * lit, 1e-9);
+    }
+    if (apart == 0.0) {
+      EXPECT_NEAR(shape->mean_at_opposition_m2(law), (20.0 + 0.25 * 4.0) / 6.0, 1e-12);
+    }
+    EXPECT_THROW(mesh_shape(mesh, 1.0, {{"dish", {}}}), InputError);
+    EXPECT_THROW(mesh_shape(mesh, 1.0, {{"panel", {1.5, 0.0}}}), InputError);
+    EXPECT_THROW(mesh_shape(mesh, 1.0, {{"panel", {0.5, -0.1}}}), InputError);
+  }
+}
+
+TEST(Scattering, PlatesShineOnBothSides) {
+  TriangleMesh plate;  // 2 m2 in the plane z = 0, seen from above
+  plate.vertices = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}};
+  plate.facets = {{0, 1, 2}, {0, 2, 3}};
+  plate.surface_names = {"plate"};
+  plate.surface_of_facet = {0, 0};
+  const ScatteringLaw law = scattering_law("lambert");
+  EXPECT_THROW(mesh_shape(plate, 1.0), InputError);
+  const Vector3 above(0.0, 0.6, 0.8), below(0.0, 0.6, -0.8);
+  for (const bool two_sided : {false, true}) {
+    const auto shape = mesh_shape(plate, 1.0, {{"plate", {0.5, 0.0, two_sided}}});
+    EXPECT_NEAR(shape->light(above, above, law).brightness_m2, 0.5 * 2.0 * 0.64, 1e-12);
+    EXPECT_NEAR(shape->light(below, below, law).brightness_m2, two_sided ? 0.5 * 2.0 * 0.64 : 0.0, 1e-12);
+    EXPECT_EQ(shape->light(above, below, law).brightness_m2, 0.0);  // lit from behind
+  }
+  // Two of them, one above the other: the lower is hidden from above, and not by its own front from below.
+  TriangleMesh two = plate;
+  for (int i = 0; i < 4; ++i) two.vertices.push_back(plate.vertices[static_cast<std::size_t>(i)] + Vector3(0, 0, 1));
+  two.facets.push_back({4, 5, 6});
+  two.facets.push_back({4, 6, 7});
+  two.surface_of_facet.resize(4, 0);
+  const auto shape = mesh_shape(two, 1.0, {{"plate", {1.0, 0.0, true}}});
+  EXPECT_NEAR(shape->light({0, 0, 1}, {0, 0, 1}, law).area_m2, 2.0, 1e-12);
+  EXPECT_NEAR(shape->light({0, 0, -1}, {0, 0, -1}, law).area_m2, 2.0, 1e-12);
+  plate.vertices[1].x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(mesh_shape(plate, 1.0, {{"plate", {}}}), InputError);
 }
 
 TEST(Scattering, AMeshsUnitCounts) {

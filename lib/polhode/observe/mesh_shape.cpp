@@ -1,9 +1,14 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <numbers>
+#include <optional>
+#include <string>
 
 #include "polhode/base/error.hpp"
 #include "polhode/observe/facet_tree.hpp"
@@ -32,9 +37,16 @@ struct OpenFacets {
   }
 };
 
+/// The facets of one surface.
+struct Surface {
+  SurfaceShine shine;
+  OpenFacets open;
+};
+
 /// A facet over whose plane others stand.
 struct HiddenFacet {
   std::uint32_t index;
+  std::size_t surface;
   double area;
   Vector3 normal;
   std::array<Vector3, 4> middles;  // of its quarters
@@ -42,8 +54,16 @@ struct HiddenFacet {
 
 class MeshSurface final : public Shape {
  public:
-  MeshSurface(const TriangleMesh& mesh, const MassProperties& solid, double unit_m)
-      : mesh_(mesh), tree_(scale(mesh_, unit_m)) {
+  MeshSurface(const TriangleMesh& mesh, const std::optional<MassProperties>& solid, double unit_m,
+              const std::map<std::string, SurfaceShine, std::less<>>& shines)
+      : mesh_(mesh), tree_(scale(mesh_, unit_m)), surfaces_(1) {
+    std::vector<std::size_t> surface_of_name(mesh_.surface_names.size(), 0);  // the first: all of which nothing is said
+    for (std::size_t name = 0; name < surface_of_name.size(); ++name) {
+      const auto said = shines.find(mesh_.surface_names[name]);
+      if (said == shines.end()) continue;
+      surface_of_name[name] = surfaces_.size();
+      surfaces_.push_back({said->second, {}});
+    }
     double size = 0.0;
     for (const Vector3& vertex : mesh_.vertices) size = std::max(size, (vertex - mesh_.vertices[0]).norm());
     const double margin = 1e-9 * size;
@@ -56,24 +76,45 @@ class MeshSurface final : public Shape {
       const Vector3 area_vector = 0.5 * (b - a).cross(c - a);
       const double area = area_vector.norm();
       if (!(area > 0.0)) continue;
-      surface_m2_ += area;
-      const Vector3 normal = area_vector / area;
-      if (!tree_.reaches_above(normal, normal.dot(a), margin)) {
-        open_.add(area_vector);
-        continue;
-      }
+      const std::size_t place = mesh_.surface_names.empty() ? 0 : surface_of_name[mesh_.surface_of_facet[i]];
+      Surface& surface = surfaces_[place];
       const Vector3 middle = (a + b + c) / 3.0;
-      hidden_.push_back({i, area, normal, {middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)}});
+      for (const double side : {1.0, -1.0}) {
+        if (side < 0.0 && !surface.shine.two_sided) continue;
+        diffuse_m2_ += surface.shine.diffuse * area;
+        const Vector3 normal = side / area * area_vector;
+        if (!tree_.reaches_above(normal, normal.dot(a), margin)) {
+          surface.open.add(side * area_vector);
+          continue;
+        }
+        hidden_.push_back(
+            {i, place, area, normal, {middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)}});
+      }
     }
-    open_.pad();
-    facets_ = solid.facets;
-    convex_ = hidden_.empty() && solid.shells == 1;
+    for (Surface& surface : surfaces_) surface.open.pad();
+    facets_ = solid ? solid->facets : mesh_.facets.size();
+    convex_ = hidden_.empty() && solid && solid->shells == 1;
   }
 
   void shine(std::size_t count, const brightness::Directions& mapped, const ScatteringLaw& law,
              const brightness::Results& out) const override {
-    brightness::best_kernels().facets(count, mapped, open_.arrays(), {law.lommel_seeliger, law.lambert}, out);
-    if (law.specular != 0.0) add_glints(count, mapped, law.specular, out.brightness);
+    const brightness::LawWeights diffuse{law.lommel_seeliger, law.lambert};
+    brightness::best_kernels().facets(count, mapped, surfaces_[0].open.arrays(), diffuse, out);
+    if (surfaces_.size() > 1) {
+      std::vector<double> light(count), area(count);
+      for (std::size_t surface = 1; surface < surfaces_.size(); ++surface) {
+        brightness::best_kernels().facets(count, mapped, surfaces_[surface].open.arrays(), diffuse,
+                                          {light.data(), area.data()});
+        for (std::size_t i = 0; i < count; ++i) {
+          out.brightness[i] += surfaces_[surface].shine.diffuse * light[i];
+          out.area[i] += area[i];
+        }
+      }
+    }
+    for (const Surface& surface : surfaces_) {
+      const double specular = surface.shine.specular.value_or(law.specular);
+      if (specular != 0.0) add_glints(count, mapped, surface.open, specular, out.brightness);
+    }
     if (hidden_.empty()) return;
     for (std::size_t i = 0; i < count; ++i) {
       const Vector3 observer(mapped.observer[0][i], mapped.observer[1][i], mapped.observer[2][i]);
@@ -88,22 +129,23 @@ class MeshSurface final : public Shape {
         }
         const double area = 0.25 * free * facet.area;
         out.area[i] += area * mu;
-        if (law.specular != 0.0 && is_mirror(facet.normal, observer, sun)) {
-          out.brightness[i] += law.specular * area * mu / kSunSine2;
+        const SurfaceShine& shine = surfaces_[facet.surface].shine;
+        const double specular = shine.specular.value_or(law.specular);
+        if (specular != 0.0 && is_mirror(facet.normal, observer, sun)) {
+          out.brightness[i] += specular * area * mu / kSunSine2;
         }
-        out.brightness[i] += law.lommel_seeliger == 0.0 && law.lambert == 0.0
-                                 ? area * mu
-                                 : area * mu * mu0 * (law.lommel_seeliger / (mu + mu0) + law.lambert);
+        out.brightness[i] +=
+            shine.diffuse *
+            (is_area_alone(law) ? area * mu : area * mu * mu0 * (law.lommel_seeliger / (mu + mu0) + law.lambert));
       }
     }
   }
 
   double mean_at_opposition_m2(const ScatteringLaw& law) const override {
-    const bool area_alone = law.lommel_seeliger == 0.0 && law.lambert == 0.0;
     if (convex_) {
-      return area_alone ? surface_m2_ / 4.0 : surface_m2_ * (law.lommel_seeliger / 8.0 + law.lambert / 6.0);
+      return diffuse_m2_ * (is_area_alone(law) ? 1.0 / 4.0 : law.lommel_seeliger / 8.0 + law.lambert / 6.0);
     }
-    // The mean of directions that are spread evenly: Fibonacci's spiral.
+    // The mean of directions that are spread evenly: Fibonacci's spiral. (A mirror would be seen in few of them.)
     constexpr int directions = 2000;
     const double step = std::numbers::pi * (3.0 - std::sqrt(5.0));
     double sum = 0.0;
@@ -117,11 +159,13 @@ class MeshSurface final : public Shape {
 
   std::string description() const override {
     return convex_ ? fmt::format("a convex mesh of {} facets", facets_)
-                   : fmt::format("a mesh of {} facets, {} of which others may hide or shade (by rays)", facets_,
+                   : fmt::format("a mesh of {} facets, {} of whose sides others may hide or shade (by rays)", facets_,
                                  hidden_.size());
   }
 
  private:
+  static bool is_area_alone(const ScatteringLaw& law) { return law.lommel_seeliger == 0.0 && law.lambert == 0.0; }
+
   static inline const double kSunSine2 = std::pow(std::sin(kSunRadius_rad), 2);
 
   /// Whether a mirror with this normal shows the observer some of the Sun's disc.
@@ -136,15 +180,16 @@ class MeshSurface final : public Shape {
   }
 
   /// Of the facets that nothing hides.
-  void add_glints(std::size_t count, const brightness::Directions& mapped, double specular, double* brightness) const {
+  static void add_glints(std::size_t count, const brightness::Directions& mapped, const OpenFacets& open,
+                         double specular, double* brightness) {
     for (std::size_t i = 0; i < count; ++i) {
       const Vector3 observer(mapped.observer[0][i], mapped.observer[1][i], mapped.observer[2][i]);
       const Vector3 sun(mapped.sun[0][i], mapped.sun[1][i], mapped.sun[2][i]);
-      for (std::size_t f = 0; f < open_.inverse_area.size(); ++f) {
-        const Vector3 area_vector(open_.normal[0][f], open_.normal[1][f], open_.normal[2][f]);
+      for (std::size_t f = 0; f < open.inverse_area.size(); ++f) {
+        const Vector3 area_vector(open.normal[0][f], open.normal[1][f], open.normal[2][f]);
         const double seen = area_vector.dot(observer);
         if (!(seen > 0.0 && area_vector.dot(sun) > 0.0)) continue;
-        if (is_mirror(open_.inverse_area[f] * area_vector, observer, sun)) brightness[i] += specular * seen / kSunSine2;
+        if (is_mirror(open.inverse_area[f] * area_vector, observer, sun)) brightness[i] += specular * seen / kSunSine2;
       }
     }
   }
@@ -156,21 +201,54 @@ class MeshSurface final : public Shape {
 
   TriangleMesh mesh_;
   FacetTree tree_;
-  OpenFacets open_;
+  std::vector<Surface> surfaces_;
   std::vector<HiddenFacet> hidden_;
-  double surface_m2_ = 0.0;
+  double diffuse_m2_ = 0.0;  // of the surface, each facet by its part
   std::size_t facets_ = 0;
   bool convex_ = true;
 };
 
 }  // namespace
 
-std::shared_ptr<const Shape> mesh_shape(const TriangleMesh& mesh, double unit_m) {
+namespace {
+void check_facets(const TriangleMesh& mesh) {
+  if (mesh.facets.empty()) throw InputError("the mesh has no facets");
+  for (std::size_t i = 0; i < mesh.facets.size(); ++i) {
+    for (const std::uint32_t corner : mesh.facets[i]) {
+      if (corner >= mesh.vertices.size() || !mesh.vertices[corner].allFinite()) {
+        throw InputError(fmt::format("facet {} of the mesh has a corner that is not there, or not finite", i + 1));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::shared_ptr<const Shape> mesh_shape(const TriangleMesh& mesh, double unit_m,
+                                        const std::map<std::string, SurfaceShine, std::less<>>& surfaces) {
   if (!(unit_m > 0.0 && std::isfinite(unit_m))) {
     throw InputError(fmt::format("the mesh's unit is {} m; a positive number is wanted", unit_m));
   }
-  const MassProperties solid = mass_properties(mesh);  // refuses what bounds no solid
-  return std::make_shared<const MeshSurface>(mesh, solid, unit_m);
+  for (const auto& [name, shine] : surfaces) {
+    if (std::find(mesh.surface_names.begin(), mesh.surface_names.end(), name) == mesh.surface_names.end()) {
+      throw InputError(
+          fmt::format("the mesh has no surface '{:.40}'; it names {}", name,
+                      mesh.surface_names.empty() ? "none" : fmt::format("{}", fmt::join(mesh.surface_names, ", "))));
+    }
+    for (const double part : {shine.diffuse, shine.specular.value_or(0.0)}) {
+      if (!(part >= 0.0 && part <= 1.0)) {
+        throw InputError(fmt::format("surface '{:.40}': found {}, parts from 0 to 1 are wanted", name, part));
+      }
+    }
+  }
+  std::optional<MassProperties> solid;
+  try {
+    solid = mass_properties(mesh);  // refuses what bounds no solid
+  } catch (const InputError&) {
+    if (surfaces.empty()) throw;
+    check_facets(mesh);
+  }
+  return std::make_shared<const MeshSurface>(mesh, solid, unit_m, surfaces);
 }
 
 }  // namespace polhode

@@ -348,9 +348,9 @@ class Observer {
           const double by_turn = weight * light_of_brightness(work.sights[i]) * derivative(bright[0][i], bright[1][i]);
           const double area_by_turn = weight * derivative(area[0][i], area[1][i]);
           for (std::size_t p = 0; p < parameters; ++p) {
-            const double turn = matrices[(6 * i + static_cast<std::size_t>(component)) * parameters + p];
-            by_light[i * width + p] += by_turn * turn;
-            area_m2[(first + i) * width + p] += area_by_turn * turn;
+            const double turned = matrices[(6 * i + static_cast<std::size_t>(component)) * parameters + p];
+            by_light[i * width + p] += by_turn * turned;
+            area_m2[(first + i) * width + p] += area_by_turn * turned;
           }
           put_by_axes(component, by_turn, &by_light[i * width + parameters]);
           put_by_axes(component, area_by_turn, &area_m2[(first + i) * width + parameters]);

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,10 +53,20 @@ class Shape {
 /// Nothing of it is a mirror. Throws InputError for semi-axes outside 1e-6 to 1e12 m.
 std::shared_ptr<const Shape> ellipsoid_shape(const Vector3& semi_axes_m);
 
+/// How the facets of one surface shine, which a mesh gives a name.
+struct SurfaceShine {
+  double diffuse = 1.0;            ///< the part of what the law sends
+  std::optional<double> specular;  ///< that it throws on like a mirror; ScatteringLaw's if none
+  bool two_sided = false;          ///< thin plates, whose back is like the front
+};
+
 /// The solid that a mesh bounds, coordinates times `unit_m`; its origin does not matter. Facets are flat and shine as
 /// the law says, which for a convex mesh is exact. Where other facets stand above the plane of one, this is cut into
 /// four like triangles, and each is lit or seen if a ray from its middle to the Sun or the observer meets no facet
-/// (tested by a tree of boxes). Throws InputError as mass_properties().
-std::shared_ptr<const Shape> mesh_shape(const TriangleMesh& mesh, double unit_m);
+/// (tested by a tree of boxes). `surfaces` are those of the mesh's names that shine otherwise than the rest; with
+/// them the mesh may have plates, and need not bound a solid. Throws InputError as mass_properties() where it must, for
+/// no facets, corners that are not there or not finite, a name that the mesh does not have, and parts outside 0 to 1.
+std::shared_ptr<const Shape> mesh_shape(const TriangleMesh& mesh, double unit_m,
+                                        const std::map<std::string, SurfaceShine, std::less<>>& surfaces = {});
 
 }  // namespace polhode

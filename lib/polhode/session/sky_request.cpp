@@ -75,7 +75,26 @@ Site parse_site(const std::string& text, const EarthOrientation& earth) {
   return site;
 }
 
+std::pair<std::string, SurfaceShine> parse_surface(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals != std::string::npos && equals > 0) {
+    std::vector<double> numbers;
+    const std::vector<std::string> words = words_of(text.substr(equals + 1));
+    for (const std::string& word : words) {
+      if (const std::optional<double> number = parse_number(word)) numbers.push_back(*number);
+    }
+    const bool two_sided = numbers.size() == 3 && numbers[2] == 2.0;
+    if (numbers.size() == words.size() &&
+        (numbers.size() == 2 || two_sided || (numbers.size() == 3 && numbers[2] == 1.0))) {
+      return {text.substr(0, equals), {numbers[0], numbers[1], two_sided}};
+    }
+  }
+  throw InputError(fmt::format(
+      "'{:.60}' is not NAME=DIFFUSE,SPECULAR or NAME=DIFFUSE,SPECULAR,SIDES (1 or 2), as panels=0.2,0.7,2", text));
+}
+
 std::shared_ptr<const Shape> named_shape(const std::string& text, const std::string& mesh_unit,
+                                         const std::map<std::string, SurfaceShine, std::less<>>& surfaces,
                                          const ContentOf& content_of) {
   const std::vector<std::string> words = words_of(text);
   if (!words.empty() && parse_number(words[0]) && !std::filesystem::exists(text)) {
@@ -92,12 +111,13 @@ std::shared_ptr<const Shape> named_shape(const std::string& text, const std::str
     }
     if (!mesh_unit.empty())
       throw InputError("a unit beside the shape is for meshes; that of an ellipsoid stands with its axes");
+    if (!surfaces.empty()) throw InputError("surfaces are of a mesh, which gives them names; this is an ellipsoid");
     return ellipsoid_shape(length_unit_m(words[3]) * axes);
   }
   if (mesh_unit.empty()) {
     throw InputError(fmt::format("the unit of the coordinates of the mesh {} is wanted: m, km, cm, mm", text));
   }
-  return mesh_shape(read_mesh(content_of(text), text), length_unit_m(mesh_unit));
+  return mesh_shape(read_mesh(content_of(text), text), length_unit_m(mesh_unit), surfaces);
 }
 
 namespace {

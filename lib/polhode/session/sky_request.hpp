@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -32,9 +34,15 @@ Place named_place(const std::string& text, const TrajectoryRequest& request,
 Site parse_site(const std::string& text, const EarthOrientation& earth);
 
 /// The shape that a text names: "A B C unit", an ellipsoid with these semi-axes along the body's x, y, z, or a file of
-/// a mesh, whose unit of length must be given. Throws InputError, FileError.
+/// a mesh, whose unit of length must be given, and whose `surfaces` may shine otherwise than the rest. Throws
+/// InputError, FileError.
 std::shared_ptr<const Shape> named_shape(const std::string& text, const std::string& mesh_unit,
+                                         const std::map<std::string, SurfaceShine, std::less<>>& surfaces = {},
                                          const ContentOf& content_of = read_text_file);
+
+/// "NAME=DIFFUSE,SPECULAR" or "NAME=DIFFUSE,SPECULAR,SIDES" of a surface of a mesh, parts from 0 to 1. Throws
+/// InputError.
+std::pair<std::string, SurfaceShine> parse_surface(const std::string& text);
 
 /// The same, or the astrometric direction from the geocentre and the distance of the target at each instant.
 struct KnownDirection {

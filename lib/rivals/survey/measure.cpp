@@ -16,8 +16,8 @@ using rivals::Quadruple;
 Answers answer(const rivals::MeasuredMethod& method, const FreeBody& body, const rivals::StepControl& control,
                std::span<const double> times_s) {
   Answers a;
-  a.q.resize(4 * times_s.size());
-  a.m.resize(3 * times_s.size());
+  a.q = std::vector<double>(4 * times_s.size());
+  a.m = std::vector<double>(3 * times_s.size());
   const StateArrays out = StateArrays::of_structures(a.q.data(), a.m.data());
   try {
     const std::unique_ptr<Motion> motion =
