@@ -1,5 +1,6 @@
 """`polhode observe` and Motion.observe: geometry against the SPICE toolkit and astropy, brightness of Toutatis in 1992."""
 
+import re
 import subprocess
 
 import erfa
@@ -373,6 +374,99 @@ def test_sigmas_of_what_is_seen_are_those_of_clones(tmp_path):
     exact = polhode.Body("exact", inertia=body.inertia, epoch=body.epoch, frame=body.frame, q=body.q, omega=body.omega)
     with pytest.raises(polhode.InputError, match="uncertainty"):
         exact.motion().observe(times, covariance=True, **options)
+
+
+def test_sigmas_where_there_is_no_derivative(tmp_path):
+    """At rest, and of a rotation about one axis, whose phi and psi are nobody's."""
+    text = KNOWN_TO_A_DEGREE.replace("[30.0, 35.0, 98.0]", "[0.0, 0.0, 0.0]").replace("components_sigma", "# components_sigma")
+    (tmp_path / "rest.toml").write_text(text)
+    times = [polhode.Instant("1992-12-09T00:00", "TDB")]
+    rest = polhode.read(tmp_path / "rest.toml").motion()
+    rows = rest.observe(times, WAY, covariance=True)
+    assert np.isnan(rows["sigma_momentum_ra_deg"][0]) and np.isnan(rows["sigma_phi_deg"][0])
+    assert 0.3 < rows["sigma_sub_observer_lat_deg"][0] < 3.0  # the sigmas of the Euler angles, about a degree
+    parameters, partials = rest.observe_partials(times, WAY)
+    assert np.all(partials["range_m"] == 0) and np.all(np.isfinite(partials["sub_solar_lat_deg"]))
+    text = KNOWN_TO_A_DEGREE.replace("[30.0, 35.0, 98.0]", "[0.0, 0.0, 98.0]")
+    (tmp_path / "short.toml").write_text(re.sub(r"products.*\n", "", text))
+    rows = polhode.read(tmp_path / "short.toml").motion().observe(times, WAY, covariance=True, convention="short-axis")
+    assert np.isnan([rows[f"sigma_{name}_deg"][0] for name in ("phi", "theta", "psi")]).all()
+    assert 0.1 < rows["sigma_momentum_dec_deg"][0] < 3.0
+
+
+def test_sigmas_of_a_scene_are_those_of_displaced_files(tmp_path):
+    """A torque fixed in the body, whose axes are uncertain, and whose own component is."""
+    (tmp_path / "body.toml").write_text(KNOWN_TO_A_DEGREE.replace('"ratios"', '"kg m2"').replace("deg/day", "deg/s"))
+    scene = """name = "pushed"
+source = "by hand"
+body = "body.toml"
+frame = "ECLIPJ2000"
+before = "10 min"
+after = "20 min"
+accuracy = "1e-9 rad"
+[[torque]]
+kind = "constant"
+torque_n_m = [2e-6, 1e-6, -1e-6]
+torque_n_m_sigma = [1e-8, 0.0, 0.0]
+axes = "body"
+"""
+    (tmp_path / "scene.toml").write_text(scene)
+    body = (tmp_path / "body.toml").read_text()
+    times = [polhode.Instant(f"1992-12-08T00:1{k}:00", "TDB") for k in (1, 4, 9)]
+    options = dict(shape=[3, 2, 1], law="lambert", directions=([1.0] * 3, [0.3] * 3, [1e6] * 3))
+    names = ["sub_observer_lat_deg", "long_axis_dec_deg", "momentum_dec_deg", "magnitude"]
+    # One number at a time, so that what each does can be told apart.
+    numbers = [("products", "[0.0, 1e-5, 0.0]", "products = \\[0.01, (0.02)", 0.02, 1e-5), ("torque", "[1e-8, 0.0, 0.0]", "torque_n_m = \\[(2e-6)", 2e-6, 1e-8),
+               ("euler_angles", "[1.0, 0.0, 0.0]", "euler_angles = \\[(40.0)", 40.0, 1.0)]  # fmt: skip
+    for key, sigmas, pattern, value, sigma in numbers:
+        one = re.sub(r"\w+_sigma = .*\n", "", body).replace(f"\n{key} =", f"\n{key}_sigma = {sigmas}\n{key} =")
+        other = scene if key == "torque" else re.sub(r"torque_n_m_sigma.*\n", "", scene)
+        (tmp_path / "body.toml").write_text(one)
+        (tmp_path / "scene.toml").write_text(other)
+        rows = polhode.read(tmp_path / "scene.toml").motion().observe(times, covariance=True, **options)
+
+        def seen(by, one=one, other=other, pattern=pattern, value=value):
+            moved = [re.sub(pattern, lambda m: m[0].replace(m[1], repr(value + by)), text) for text in (one, other)]
+            assert moved != [one, other]
+            (tmp_path / "body.toml").write_text(moved[0])
+            (tmp_path / "scene.toml").write_text(moved[1])
+            return polhode.read(tmp_path / "scene.toml").motion().observe(times, **options)
+
+        up, down = seen(0.1 * sigma), seen(-0.1 * sigma)
+        for name in names:
+            expected = np.abs(up[name] - down[name]) / (0.2)
+            assert np.allclose(rows[f"sigma_{name}"], expected, rtol=0.01, atol=0.01 * expected.max() + 1e-7), (pattern, name)
+
+
+def test_exposures_see_every_glint(tmp_path):
+    """A plate that turns by 3 deg/s, against the mean of many instants."""
+    (tmp_path / "plate.obj").write_text("v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nusemtl p\nf 1 2 3\nf 1 3 4\n")
+    earth = erfa.epv00(2458849.5, 0.0)[0]["p"]
+    sun = -earth / np.linalg.norm(earth)
+    axis = np.cross(sun, [0.0, 0.0, 1.0])
+    axis /= np.linalg.norm(axis)  # of the rotation: across the directions to the Sun and to the observer
+    q = Rotation.from_matrix(np.stack([axis, sun, np.cross(axis, sun)], 1))
+    body = polhode.Body("plate", inertia=polhode.Inertia([1.0, 2.0, 3.0]), epoch="2020-01-01 TDB", q=q, omega=np.radians([3.0, 0.0, 0.0]))
+    place = -Rotation.from_rotvec(0.4 * axis).apply(sun)  # of the body, as the Earth sees it
+    direction = [np.arctan2(place[1], place[0])], [np.arcsin(place[2])], [1e6]
+    options = dict(shape=tmp_path / "plate.obj", shape_unit="m", law="lambert", surfaces={"p": (0.5, 0.5, 2)}, geometry=False)
+    flux = lambda rows: 10 ** (-0.4 * rows["magnitude"])
+    turn = np.arange(0, 120, 0.005)
+    bright = flux(body.motion().observe(turn, directions=[x * len(turn) for x in direction], **options))
+    assert bright.max() > 1e3 * np.median(bright) and np.count_nonzero(np.diff((bright > 100 * np.median(bright)).astype(int)) > 0) == 2
+    glint = turn[np.argmax(bright)]
+    for exposure, off in ((2.0, 0.6), (60.0, 11.0)):
+        rows = body.motion().observe([glint + off], directions=direction, exposure=exposure, **options)
+        many = glint + off + exposure * ((np.arange(20_001) + 0.5) / 20_001 - 0.5)
+        dense = body.motion().observe(many, directions=[x * len(many) for x in direction], **options)
+        assert abs(rows["magnitude"][0] + 2.5 * np.log10(flux(dense).mean())) < 0.05, exposure
+    with pytest.raises(InputError, match="where it has mirrors"):
+        body.motion().observe([0.0], directions=direction, exposure=1e4, **options)
+    with pytest.raises(InputError, match="Lambert's part"):
+        body.motion().observe([0.0], directions=direction, **{**options, "law": "lommel-seeliger"})
+    for parts, message in [((0.9, 0.9), "more than all light"), ((0.0, 1.0), "no part of the shape scatters")]:
+        with pytest.raises(InputError, match=message):
+            body.motion().observe([0.0], directions=direction, **{**options, "surfaces": {"p": parts}})
 
 
 def test_columns_that_are_kept_have_names_of_their_own(tmp_path):

@@ -20,7 +20,6 @@
 #include "polhode/base/text.hpp"
 #include "polhode/base/units.hpp"
 #include "polhode/ephemeris/time_grid.hpp"
-#include "polhode/motion/known_until.hpp"
 #include "polhode/motion/methods.hpp"
 #include "polhode/read/quantity.hpp"
 #include "polhode/read/scene_file.hpp"
@@ -219,7 +218,7 @@ void observe_body(const ObserveOptions& options) {
   const auto* const scene = std::get_if<Scene>(&input);
   const Body& body = scene != nullptr ? scene->body : std::get<BodyAndHistory>(input).body;
   for (const std::string& warning : body.warnings) warn(options.body_file, warning);
-  const BodyInMotion moving = scene != nullptr ? planned_motion_of(*scene, options.covariance, std::nullopt)
+  const BodyInMotion moving = scene != nullptr ? planned_motion_of(*scene, false, std::nullopt)
                                                : free_motion_of(body, Frame::icrf, method("auto"));
   const TimeScale scale = in_option("--scale", [&] { return time_scale(options.scale); });
 
@@ -297,7 +296,15 @@ void observe_body(const ObserveOptions& options) {
   if (dark > 0) say(fmt::format("note: in {} rows nothing is both lit and seen: the magnitude is inf", dark));
   const auto [first, last] = std::minmax_element(rows.instants.begin(), rows.instants.end());
   const double farthest_s = std::max(std::abs((*first - epoch).high), std::abs((*last - epoch).high));
-  if (const auto caution = worth_text(body, farthest_s)) say("caution: " + *caution);
+  const bool torques_are_uncertain = moving.uncertainty != body.uncertainty;
+  if (const auto caution =
+          scene_worth_text(body, torques_are_uncertain && (!options.covariance || body.uncertainty), farthest_s)) {
+    say("caution: " + *caution);
+  }
+  if (options.covariance && scene == nullptr) {
+    const auto linear = covariance_rows(moving, (*first - epoch).high, (*last - epoch).high).caution;
+    if (linear) say("caution: " + *linear);
+  }
 }
 
 void add_brightness_options(CLI::App& command, ObserveOptions& options) {

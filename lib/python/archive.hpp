@@ -153,7 +153,7 @@ void pass(A& a, MotionObject::NamedAxes& x) {
 }
 template <class A>
 void pass(A& a, TriangleMesh& x) {
-  pass_all(a, x.vertices, x.facets);
+  pass_all(a, x.vertices, x.facets, x.surface_names, x.surface_of_facet);
 }
 template <class A>
 void pass(A& a, Facet& x) {

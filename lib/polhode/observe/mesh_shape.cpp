@@ -157,6 +157,11 @@ class MeshSurface final : public Shape {
     return sum / directions;
   }
 
+  bool has_mirrors(const ScatteringLaw& law) const override {
+    return std::any_of(surfaces_.begin(), surfaces_.end(),
+                       [&law](const Surface& surface) { return surface.shine.specular.value_or(law.specular) != 0.0; });
+  }
+
   std::string description() const override {
     return convex_ ? fmt::format("a convex mesh of {} facets", facets_)
                    : fmt::format("a mesh of {} facets, {} of whose sides others may hide or shade (by rays)", facets_,
@@ -239,6 +244,10 @@ std::shared_ptr<const Shape> mesh_shape(const TriangleMesh& mesh, double unit_m,
       if (!(part >= 0.0 && part <= 1.0)) {
         throw InputError(fmt::format("surface '{:.40}': found {}, parts from 0 to 1 are wanted", name, part));
       }
+    }
+    if (shine.diffuse + shine.specular.value_or(0.0) > 1.0) {
+      throw InputError(fmt::format("surface '{:.40}': found {} and {}, more than all light together", name,
+                                   shine.diffuse, *shine.specular));
     }
   }
   std::optional<MassProperties> solid;

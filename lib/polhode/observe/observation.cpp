@@ -35,6 +35,9 @@ constexpr std::array<std::string_view, 18> kGeometry{"light_time_s",
                                                      "phi_deg",
                                                      "theta_deg",
                                                      "psi_deg"};
+/// The latitude, or the angle from an axis, at whose pole a column has no derivative; 0: none.
+constexpr std::array<std::size_t, kGeometry.size()> kGuard{0,  0,  0,  4,  4,  6,  6,  8,  8,
+                                                           10, 10, 12, 12, 14, 14, 16, 16, 16};
 constexpr std::array<std::string_view, 2> kPhotometry{"magnitude", "area_m2"};
 
 double phase_of(const Sight& sight) {
@@ -53,10 +56,16 @@ struct Moments {
   std::vector<double> offsets_s, weights;
 };
 
-Moments moments_of(double exposure_s, double turned_rad) {
+Moments moments_of(double exposure_s, double turned_rad, bool mirrors) {
   if (exposure_s == 0.0) return {{0.0}, {1.0}};
-  constexpr double turn_of_a_part = 0.2, most_parts = 1e4;
-  const double parts = std::clamp(std::ceil(turned_rad / turn_of_a_part), 1.0, most_parts);
+  // A mirror is bright for the Sun's diameter: some thirty looks at it.
+  const double turn_of_a_part = mirrors ? 0.25 * kSunRadius_rad : 0.2;
+  constexpr double most_parts = 1e4;
+  const double parts = std::max(1.0, std::ceil(turned_rad / turn_of_a_part));
+  if (parts > most_parts) {
+    throw InputError(fmt::format("the body turns by {:.3g} rad in an exposure; at most {:.3g} rad can be followed{}",
+                                 turned_rad, most_parts * turn_of_a_part, mirrors ? " where it has mirrors" : ""));
+  }
   Moments out;
   for (int part = 0; part < parts; ++part) {
     for (std::size_t k = 0; k < 4; ++k) {
@@ -117,8 +126,9 @@ class Observer {
     if (options.photometry) {
       const Photometry& photometry = *options.photometry;
       map_ = photometry.shape->map() * body.named_from_principal;
-      zero_ = photometry.absolute_magnitude.value_or(0.0) +
-              2.5 * std::log10(photometry.shape->mean_at_opposition_m2(photometry.law));
+      const double mean_m2 = photometry.shape->mean_at_opposition_m2(photometry.law);
+      if (!(mean_m2 > 0.0)) throw InputError("no part of the shape scatters light: there is no mean that H belongs to");
+      zero_ = photometry.absolute_magnitude.value_or(0.0) + 2.5 * std::log10(mean_m2);
     }
     double turned_rad = 0.0;
     if (options.exposure_s > 0.0 && !receptions.empty()) {
@@ -127,7 +137,8 @@ class Observer {
       turned_rad = momentum.cwiseQuotient(body.principal_moments).norm() * options.exposure_s;
       if (!std::isfinite(turned_rad)) turned_rad = 0.0;
     }
-    moments_ = moments_of(options.exposure_s, turned_rad);
+    moments_ = moments_of(options.exposure_s, turned_rad,
+                          options.photometry && options.photometry->shape->has_mirrors(options.photometry->law));
   }
 
   void fill(std::size_t begin, std::size_t end, std::vector<ObservedColumn>& columns) const {
@@ -306,7 +317,8 @@ class Observer {
             const double difference = value(one, column)[i] - value(other, column)[i];
             return is_angle ? std::remainder(difference, 360.0) : difference;
           };
-          const double slope = derivative(across(0, 1), across(2, 3)) / (component < 3 ? 1.0 : momentum(work, i));
+          const double size = component < 3 ? 1.0 : momentum(work, i);
+          const double slope = size > 0.0 ? derivative(across(0, 1), across(2, 3)) / size : 0.0;
           for (std::size_t p = 0; p < parameters; ++p) {
             columns[column].values[(first + i) * width + p] +=
                 slope * matrices[(6 * i + static_cast<std::size_t>(component)) * parameters + p];
@@ -417,6 +429,15 @@ std::vector<std::string> observed_columns(const ObservationOptions& options) {
   return names;
 }
 
+bool has_derivative(std::span<const ObservedColumn> columns, std::size_t column, std::size_t row) {
+  if (!std::isfinite(columns[column].values[row])) return false;
+  if (columns.size() < kGeometry.size() || column >= kGeometry.size() || kGuard[column] == 0) return true;
+  const std::size_t guard = kGuard[column];
+  const double angle = columns[guard].values[row], from_equator = std::abs(angle);
+  const bool is_latitude = kGeometry[guard].ends_with("_lat_deg") || kGeometry[guard].ends_with("_dec_deg");
+  return (is_latitude ? 90.0 - from_equator : std::min(angle, 180.0 - angle)) * degree > 2.0 * kStep;
+}
+
 std::vector<std::string> observed_parameters(const StatePartialsSource& states_by, const ObservationOptions& options) {
   std::vector<std::string> names = states_by.parameters;
   names.insert(names.end(), {"axes_x", "axes_y", "axes_z"});
@@ -441,6 +462,10 @@ std::vector<ObservedColumn> filled_columns(const ObservedMotion& body, std::span
       throw InputError(fmt::format("the absolute magnitude is {}; -100 to 100 are allowed", absolute));
     }
     check(options.photometry->phase);
+    const ScatteringLaw& law = options.photometry->law;
+    if (law.lambert == 0.0 && options.photometry->shape->has_mirrors(law)) {
+      throw InputError("mirrors are seen beside a law with Lambert's part, as lambert; this one has none");
+    }
   }
   std::vector<ObservedColumn> columns;
   for (const std::string& name : observed_columns(options)) {
@@ -465,11 +490,20 @@ std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const 
 std::vector<ObservedColumn> observe_partials(const ObservedMotion& body, std::span<const Instant> receptions,
                                              const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
                                              const ObservationOptions& options, const StatePartialsSource& states_by) {
-  return filled_columns(
-      body, receptions, sight_of, options, observed_parameters(states_by, options).size(),
+  const std::vector<ObservedColumn> values = observe(body, receptions, sight_of, options);
+  const std::size_t width = observed_parameters(states_by, options).size();
+  std::vector<ObservedColumn> partials = filled_columns(
+      body, receptions, sight_of, options, width,
       [&states_by](const Observer& observer, std::size_t begin, std::size_t end, std::vector<ObservedColumn>& columns) {
         observer.fill_partials(begin, end, states_by, columns);
       });
+  for (std::size_t column = 0; column < partials.size(); ++column) {
+    for (std::size_t row = 0; row < receptions.size(); ++row) {
+      if (has_derivative(values, column, row)) continue;
+      std::fill_n(&partials[column].values[row * width], width, std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  return partials;
 }
 
 }  // namespace polhode

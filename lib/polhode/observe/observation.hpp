@@ -52,10 +52,11 @@ struct ObservedColumn {
 
 /// What an observer sees at instants of reception, in any order: `sight_of` gives the sight at each of them, also of
 /// those within an exposure if there is one. The state is that at emission. An exposure sums the light over its span,
-/// by Gauss's quadrature with 4 points at least for each 0.2 rad that the body turns; the geometry is that of its
-/// middle. Throws InputError where the motion or a trajectory does not hold an instant, for what check() of a phase
-/// function refuses, an absolute magnitude beyond +-100, and an observer within the body; ComputationError for a
-/// magnitude that is no number. A body of which nothing is both lit and seen has the magnitude +infinity.
+/// by Gauss's quadrature with 4 points at least for each 0.2 rad that the body turns, or, where the shape has mirrors,
+/// for a quarter of the Sun's radius: a glint is good to a few hundredths. The geometry is that of its middle. Throws
+/// InputError where the motion or a trajectory does not hold an instant, for what check() of a phase function refuses,
+/// an absolute magnitude beyond +-100, and an observer within the body; ComputationError for a magnitude that is no
+/// number. A body of which nothing is both lit and seen has the magnitude +infinity.
 std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const Instant> receptions,
                                     const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
                                     const ObservationOptions& options);
@@ -75,10 +76,16 @@ struct StatePartialsSource {
 /// relative change of all lengths of the shape.
 std::vector<std::string> observed_parameters(const StatePartialsSource& states_by, const ObservationOptions& options);
 
+/// Whether a number of observe() has a derivative by the attitude: not one that is none itself, nor within 0.115 deg
+/// (2e-3 rad) of a pole: longitudes and latitudes there, position and aspect angles of an axis that points at the
+/// observer or away, phi, theta, psi of a rotation about the axis that they count from.
+bool has_derivative(std::span<const ObservedColumn> columns, std::size_t column, std::size_t row);
+
 /// The derivatives of the columns of observe() by these parameters, in the columns' units: as many numbers for each
 /// instant as there are parameters. By the state at emission through differences of fourth order (1e-12 of their size
 /// where a column is smooth), by the parameters through the states' own partials. The brightness of a mesh has kinks
-/// where facets turn into the light: there its slope is a mean over 2e-3 rad. Throws as observe().
+/// where facets turn into the light: there its slope is a mean over 2e-3 rad. NaN where there is no derivative
+/// (has_derivative()). Throws as observe().
 std::vector<ObservedColumn> observe_partials(const ObservedMotion& body, std::span<const Instant> receptions,
                                              const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
                                              const ObservationOptions& options, const StatePartialsSource& states_by);

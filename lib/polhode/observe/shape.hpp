@@ -29,6 +29,9 @@ class Shape {
   /// The brightness at phase 0, mean of all directions: what the absolute magnitude H belongs to.
   virtual double mean_at_opposition_m2(const ScatteringLaw& law) const = 0;
 
+  /// Whether it throws light on like a mirror somewhere, which is seen for a moment only.
+  virtual bool has_mirrors(const ScatteringLaw& /*law*/) const { return false; }
+
   /// Of a ball about the origin of the named axes, or about its middle where its origin does not matter, that holds it.
   double radius_m() const { return radius_m_; }
 
@@ -65,7 +68,8 @@ struct SurfaceShine {
 /// four like triangles, and each is lit or seen if a ray from its middle to the Sun or the observer meets no facet
 /// (tested by a tree of boxes). `surfaces` are those of the mesh's names that shine otherwise than the rest; with
 /// them the mesh may have plates, and need not bound a solid. Throws InputError as mass_properties() where it must, for
-/// no facets, corners that are not there or not finite, a name that the mesh does not have, and parts outside 0 to 1.
+/// no facets, corners that are not there or not finite, a name that the mesh does not have, and parts outside 0 to 1 or
+/// that are more than 1 together.
 std::shared_ptr<const Shape> mesh_shape(const TriangleMesh& mesh, double unit_m,
                                         const std::map<std::string, SurfaceShine, std::less<>>& surfaces = {});
 

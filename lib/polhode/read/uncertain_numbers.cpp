@@ -21,6 +21,20 @@ double checked_sigma(const TomlTable& table, std::string_view key, double sigma)
   throw table.error(key, fmt::format("found {}, an uncertainty of 0 or more is wanted, up to 1e100", sigma));
 }
 
+/// Lets the principal axes of a clone point as those of the published body do: of each axis either end would serve.
+void point_axes(Body& clone, const Matrix3& published) {
+  if (!clone.inertia) return;
+  Matrix3& axes = clone.inertia->named_from_principal;
+  const Vector3 along = (axes.transpose() * published).diagonal();
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (along[k] < 0.0) axes.col(k) = -axes.col(k);
+  }
+  if (axes.determinant() > 0.0) return;
+  Eigen::Index least = 0;
+  along.cwiseAbs().minCoeff(&least);
+  axes.col(least) = -axes.col(least);
+}
+
 }  // namespace
 
 Eigen::MatrixXd covariance_in_file(const TomlTable& root, std::span<const PublishedNumber> numbers,
@@ -138,15 +152,21 @@ std::shared_ptr<const Uncertainty> UncertainNumbers::uncertainty(const TomlTable
   }
   if (all.numbers.empty()) return nullptr;
   all.covariance = covariance(places, places);
-  all.body_with = [blank = std::move(blank), parts = parts_, published = values_,
-                   places = std::move(places)](const Eigen::VectorXd& values) {
+  Body published_body = blank;
+  for (const BodyPart& part : parts_) part(values_, published_body);
+  const Matrix3 axes = published_body.inertia ? published_body.inertia->named_from_principal : Matrix3::Identity();
+  all.body_with = [blank = std::move(blank), parts = parts_, published = values_, places = std::move(places),
+                   axes](const Eigen::VectorXd& values) {
     if (values.size() != static_cast<Eigen::Index>(places.size())) {
       throw InputError(fmt::format("{} values for {} uncertain numbers", values.size(), places.size()));
     }
     std::vector<double> numbers = published;
     for (std::size_t i = 0; i < places.size(); ++i) numbers[places[i]] = values[static_cast<Eigen::Index>(i)];
     Body clone = blank;
-    for (const BodyPart& part : parts) part(numbers, clone);
+    for (const BodyPart& part : parts) {
+      part(numbers, clone);
+      point_axes(clone, axes);  // before the state is read, which may count from them
+    }
     return clone;
   };
   return std::make_shared<const Uncertainty>(std::move(all));

@@ -174,8 +174,8 @@ Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<doub
   if (moving.under_torques) description.torque_evaluations = account.torque_evaluations;
   const Instant epoch = body.state->epoch;
   const double farthest_s = std::max(std::abs((first - epoch).high), std::abs((last - epoch).high));
-  const bool only_others_say_it = moving.uncertainty != body.uncertainty && !covariance;
-  if (auto caution = scene_worth_text(body, only_others_say_it, farthest_s)) {
+  const bool others_say_it = moving.uncertainty != body.uncertainty && (!covariance || body.uncertainty);
+  if (auto caution = scene_worth_text(body, others_say_it, farthest_s)) {
     description.cautions.push_back(*std::move(caution));
   }
   if (tolerance_rad && format != nullptr) {

@@ -9,117 +9,70 @@
 #include "polhode/motion/attitude_covariance.hpp"
 #include "polhode/motion/free_body.hpp"
 #include "polhode/session/body_in_motion.hpp"
+#include "polhode/session/displaced_motions.hpp"
 #include "polhode/time/duration_text.hpp"
 
 namespace polhode {
 namespace {
 
-/// The covariance of a body under torques: differences of motions that start displaced by a part of one sigma of each
-/// part of the uncertainty, both ways; one way where no body, or no torque, lies on the other side.
+/// The covariance of a body under torques, by its displaced motions.
 class DisplacedCovariance {
  public:
-  explicit DisplacedCovariance(const BodyInMotion& moving) {
-    if (!moving.uncertainty) throw InputError("the body has no uncertainty, and --covariance needs one");
-    const Uncertainty& uncertainty = *moving.uncertainty;
-    const Eigen::MatrixXd root = uncertainty.root();
-    // Facets that come into the light make kinks, which may keep motions from the finer tolerances.
-    double tolerance_rad = 0.0;
-    for (const double finer_rad : {kTolerance_rad, 1e2 * kTolerance_rad, kAsPlanned_rad}) {
-      try {
-        tolerance_rad = finer_rad;
-        centre_ = displaced(moving, moving.free, uncertainty.values(), tolerance_rad, 0.0);
-        break;
-      } catch (const ComputationError&) {
-        if (finer_rad == kAsPlanned_rad) throw;
-      }
-    }
-    std::vector<double> z(static_cast<std::size_t>(root.cols()), 0.0);
-    for (double& part : z) {
-      std::vector<Displaced> sides;
-      std::string why;
-      for (const double displacement : {kDisplacement, -kDisplacement}) {
-        part = displacement;
-        try {
-          const Eigen::VectorXd numbers = uncertainty.values(root, z);
-          const FreeBody body = free_body(uncertainty.body_with(numbers), moving.frame);
-          sides.push_back(displaced(moving, body, numbers, tolerance_rad, displacement));
-        } catch (const InputError& error) {
-          why = error.what();
-        }
-      }
-      part = 0.0;
-      if (sides.empty()) {
-        throw InputError(
-            fmt::format("a quarter of a sigma to either side of what is given there is no such scene ({}): "
-                        "draw clones with `polhode sample`",
-                        why));
-      }
-      if (sides.size() == 1) sides.push_back(centre_);
-      const double apart = sides[0].displacement - sides[1].displacement;
-      noise_rad_ = std::hypot(noise_rad_, (sides[0].error_rad + sides[1].error_rad) / apart);
-      displaced_.push_back({std::move(sides[0]), std::move(sides[1])});
-    }
-  }
+  explicit DisplacedCovariance(const BodyInMotion& moving) : motions_(moving) {}
 
   /// Of the first order; `bent`, if wanted, becomes by what part of SIGMA the second order changes it, about.
   Matrix3 at(double t_high_s, double t_low_s, double* bent = nullptr) const {
-    const Quaternion centre = centre_.attitude(t_high_s, t_low_s).conjugate();
+    const Quaternion centre = attitude(motions_.centre, t_high_s, t_low_s).conjugate();
     Matrix3 covariance = Matrix3::Zero();
     double second = 0.0;
-    for (const auto& [a, b] : displaced_) {
-      const Vector3 up = rotation_vector(centre * a.attitude(t_high_s, t_low_s));
-      const Vector3 down = rotation_vector(centre * b.attitude(t_high_s, t_low_s));
-      const Vector3 turn = (up - down) / (a.displacement - b.displacement);
+    for (const auto& [one, other] : motions_.of_parts) {
+      const Vector3 to_one = rotation_vector(centre * attitude(one, t_high_s, t_low_s));
+      const Vector3 to_other = rotation_vector(centre * attitude(other, t_high_s, t_low_s));
+      const ParabolaWeights w = parabola_weights(one, other);
+      const Vector3 turn = w.first_of_one * to_one + w.first_of_other * to_other;
       covariance += turn * turn.transpose();
-      if (b.displacement == 0.0) continue;  // nothing is known of the second order
-      const double error_rad = a.error_rad + b.error_rad + 2.0 * centre_.error_rad;
-      const double curved_rad = std::max(0.0, (up + down).norm() - error_rad);
-      second += std::pow(curved_rad / (2.0 * kDisplacement * kDisplacement), 2);
+      const double error_rad = std::abs(w.second_of_one) * (one.error_rad + motions_.centre.error_rad) +
+                               std::abs(w.second_of_other) * (other.error_rad + motions_.centre.error_rad);
+      const double curved_rad = (w.second_of_one * to_one + w.second_of_other * to_other).norm() - error_rad;
+      second += std::pow(std::max(0.0, curved_rad), 2);
     }
     const double variance = largest_variance(covariance);
     if (bent != nullptr) *bent = variance > 0.0 ? second / variance : 0.0;
     return covariance;
   }
 
-  double linear_until_s(double farthest_s) const {
-    constexpr double most_bent = 0.05;
-    constexpr int looks = 64;
-    double good_s = 0.0;
-    for (int i = 0; i <= looks; ++i) {
-      const double part = static_cast<double>(i) / looks, t_s = part * part * farthest_s;
+  /// As linear_until_s().
+  double linear_until_s(double end_s) const {
+    constexpr double most_rad = 0.3, most_bent = 0.05;
+    constexpr int looks = 512;
+    double farthest_s = 0.0;
+    for (int look = 1; look <= looks; ++look) {
+      const double t_s = end_s * look / looks;
       double bent = 0.0;
-      const double variance = largest_variance(at(t_s, 0.0, &bent));
-      if (!(variance < kLinearSigma_rad * kLinearSigma_rad && bent < most_bent)) return good_s;
-      good_s = t_s;
+      if (!(std::sqrt(largest_variance(at(t_s, 0.0, &bent))) < most_rad && bent < most_bent)) return farthest_s;
+      farthest_s = t_s;
     }
     return farthest_s;
   }
 
   /// What the errors of the motions put into SIGMA, at most about.
-  double noise_rad() const { return noise_rad_; }
-
- private:
-  static constexpr double kDisplacement = 0.25;   // of a sigma: what is of third order is a sixteenth of it
-  static constexpr double kTolerance_rad = 1e-7;  // of the motions: a part in a hundred of a sigma of 1e-5 rad
-
-  struct Displaced {
-    FreeBody body;
-    std::shared_ptr<const Motion> motion;
-    double error_rad = 0.0;
-    double displacement = 0.0;  // sigmas
-    Quaternion attitude(double t_high_s, double t_low_s) const {
-      return named_state(body, motion->at(t_high_s, t_low_s)).q_inertial_from_named;
+  double noise_rad() const {
+    double sum = 0.0;
+    for (const auto& [one, other] : motions_.of_parts) {
+      const ParabolaWeights w = parabola_weights(one, other);
+      sum += std::pow(std::abs(w.first_of_one) * one.error_rad + std::abs(w.first_of_other) * other.error_rad +
+                          std::abs(w.first_of_one + w.first_of_other) * motions_.centre.error_rad,
+                      2);
     }
-  };
-  static Displaced displaced(const BodyInMotion& moving, const FreeBody& body, const Eigen::VectorXd& numbers,
-                             double tolerance_rad, double displacement) {
-    PlannedMotion planned = moving.motion_of(body, numbers, tolerance_rad);
-    return {body, std::move(planned.motion), planned.account.max_error_rad.value_or(0.0), displacement};
+    return std::sqrt(sum);
   }
 
-  Displaced centre_;
-  std::vector<std::pair<Displaced, Displaced>> displaced_;
-  double noise_rad_ = 0.0;
+ private:
+  static Quaternion attitude(const DisplacedMotion& of, double t_high_s, double t_low_s) {
+    return named_state(of.free, of.motion->at(t_high_s, t_low_s)).q_inertial_from_named;
+  }
+
+  DisplacedMotions motions_;
 };
 
 /// Two cautions as one.

@@ -17,6 +17,7 @@
 #include "polhode/read/mesh_file.hpp"
 #include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
+#include "polhode/session/displaced_motions.hpp"
 
 namespace polhode {
 namespace {
@@ -201,24 +202,69 @@ std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const S
                     sky);
 }
 
+namespace {
+
+bool depends_on_attitude(const ObservedColumn& column) {
+  return column.name != "light_time_s" && column.name != "range_m" && column.name != "phase_deg";
+}
+
+/// NaN stays NaN: nothing is known of such a row.
+double root_of(double variance) { return variance < 0.0 ? 0.0 : std::sqrt(variance); }
+
+/// Of a scene: what its displaced motions show. Its torques may be fixed in the body, whose axes may be uncertain.
+std::vector<ObservedColumn> sigmas_of_displaced(const BodyInMotion& moving, const Sky& sky,
+                                                std::span<const Instant> receptions,
+                                                const ObservationOptions& options) {
+  const DisplacedMotions motions(moving);
+  const auto seen = [&](const DisplacedMotion& displaced) {
+    BodyInMotion of = moving;
+    of.body = displaced.body;
+    of.free = displaced.free;
+    of.motion = displaced.motion;
+    return observe(of, sky, receptions, options);
+  };
+  const std::vector<ObservedColumn> centre = seen(motions.centre);
+  std::vector<ObservedColumn> variances = centre;
+  for (ObservedColumn& column : variances) std::fill(column.values.begin(), column.values.end(), 0.0);
+  for (const auto& [one, other] : motions.of_parts) {
+    const std::vector<ObservedColumn> to_one = seen(one), to_other = seen(other);
+    const ParabolaWeights w = parabola_weights(one, other);
+    for (std::size_t c = 0; c < centre.size(); ++c) {
+      const bool is_angle = centre[c].name.ends_with("_deg");
+      for (std::size_t row = 0; row < receptions.size(); ++row) {
+        const auto away = [&](const std::vector<ObservedColumn>& displaced) {
+          const double difference = displaced[c].values[row] - centre[c].values[row];
+          return is_angle ? std::remainder(difference, 360.0) : difference;
+        };
+        const double slope = w.first_of_one * away(to_one) + w.first_of_other * away(to_other);
+        variances[c].values[row] += has_derivative(centre, c, row) ? slope * slope : std::nan("");
+      }
+    }
+  }
+  std::vector<ObservedColumn> sigmas;
+  for (ObservedColumn& column : variances) {
+    if (!depends_on_attitude(column)) continue;
+    std::transform(column.values.begin(), column.values.end(), column.values.begin(), root_of);
+    sigmas.push_back({"sigma_" + column.name, std::move(column.values)});
+  }
+  return sigmas;
+}
+
+}  // namespace
+
 std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky& sky,
                                            std::span<const Instant> receptions, const ObservationOptions& options) {
-  if (moving.uncertainty != moving.body.uncertainty) {
-    throw InputError("the torques' numbers are uncertain, too, which columns have no sigmas of: draw clones");
-  }
+  if (moving.under_torques) return sigmas_of_displaced(moving, sky, receptions, options);
   const auto covariance = epoch_covariance_with_axes(moving.body);
   const StatePartialsSource states_by = state_partials_of(moving);
   const std::size_t width = observed_parameters(states_by, options).size();
   std::vector<ObservedColumn> sigmas;
-  for (ObservedColumn& column : observe_partials(moving, sky, receptions, options, states_by)) {
-    if (column.name == "light_time_s" || column.name == "range_m" || column.name == "phase_deg") continue;
+  for (const ObservedColumn& column : observe_partials(moving, sky, receptions, options, states_by)) {
+    if (!depends_on_attitude(column)) continue;
     ObservedColumn& sigma = sigmas.emplace_back("sigma_" + column.name, std::vector<double>());
     for (std::size_t i = 0; i < receptions.size(); ++i) {
-      const double* row = &column.values[i * width];
-      Eigen::Matrix<double, 12, 1> by;  // of the state, the moments and the axes: torques are exact
-      by << Eigen::Map<const Eigen::Matrix<double, 9, 1>>(row),
-          Eigen::Map<const Vector3>(row + states_by.parameters.size());
-      sigma.values.push_back(std::sqrt(std::max(0.0, by.dot(covariance * by))));
+      const Eigen::Map<const Eigen::Matrix<double, 12, 1>> by(&column.values[i * width]);
+      sigma.values.push_back(root_of(by.dot(covariance * by)));
     }
   }
   return sigmas;

@@ -64,8 +64,9 @@ std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const S
                                              std::span<const Instant> receptions, const ObservationOptions& options,
                                              const StatePartialsSource& states_by);
 
-/// One sigma of each column that depends on the attitude, "sigma_" before its name, by what is not known of the body,
-/// to first order. Throws InputError for a body without uncertainties and for a scene whose torques have them.
+/// One sigma of each column that depends on the attitude, "sigma_" before its name, by what is not known of the body
+/// and of a scene's torques, to first order; NaN where a column has no derivative (has_derivative()). Throws InputError
+/// where all numbers are exact.
 std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky& sky,
                                            std::span<const Instant> receptions, const ObservationOptions& options);
 

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "polhode/base/error.hpp"
@@ -22,7 +24,7 @@ namespace {
 std::string_view unit_of(std::string_view name) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 4> endings{
       {{"_deg", "deg"}, {"_m2", "m2"}, {"_m", "m"}, {"_s", "s"}}};
-  if (name == "magnitude") return "mag";
+  if (name.ends_with("magnitude")) return "mag";
   for (const auto& [ending, unit] : endings) {
     if (name.ends_with(ending)) return unit;
   }
@@ -36,9 +38,17 @@ std::string kept_cell(const std::string& text) {
   return out + "\"";
 }
 
+/// A cell's number; none in it is NaN.
+std::optional<double> number_in(const std::string& cell) {
+  if (const std::string lower = lower_case(cell); lower.empty() || lower == "nan") return std::nan("");
+  return parse_number(cell);
+}
+
 bool are_numbers(const ColumnTable::KeptColumn& column) {
-  return std::all_of(column.cells.begin(), column.cells.end(),
-                     [](const std::string& cell) { return parse_number(cell).has_value(); });
+  const auto is_number = [](const std::string& cell) { return parse_number(cell).has_value(); };
+  return std::any_of(column.cells.begin(), column.cells.end(), is_number) &&
+         std::all_of(column.cells.begin(), column.cells.end(),
+                     [](const std::string& cell) { return number_in(cell).has_value(); });
 }
 
 std::string header_of(const ColumnTable& table, const std::string& date, const std::string& scale) {
@@ -125,7 +135,7 @@ void write_fits_columns(const std::string& path, const ColumnTable& table) {
     std::vector<double>& values = columns.emplace_back();
     if (are_numbers(column)) {
       out.columns.push_back({column.name, {column.name}, ""});
-      for (const std::string& cell : column.cells) values.push_back(*parse_number(cell));
+      for (const std::string& cell : column.cells) values.push_back(*number_in(cell));
     } else {
       out.columns.push_back(labels_of(column, values));
     }
