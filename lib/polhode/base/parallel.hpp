@@ -17,12 +17,12 @@ namespace polhode {
 /// thrown here.
 template <class Work>
 void parallel_chunks(std::size_t count, std::size_t grain, unsigned thread_count, const Work& work) {
+  if (count == 0) return;
   constexpr std::size_t chunks_of_a_thread = 32;  // who ends first waits for a thirty-second of a share at most
   if (thread_count == 0) thread_count = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t grains = (count + grain - 1) / grain, threads = std::min<std::size_t>(thread_count, grains);
-  const std::size_t chunk =
-      (threads <= 1 ? grains : std::max<std::size_t>(1, grains / (threads * chunks_of_a_thread))) * grain;
-  if (count == 0) return;
+  const std::size_t shares = threads <= 1 ? 1 : threads * chunks_of_a_thread;
+  const std::size_t chunk = std::max<std::size_t>(1, grains / shares) * grain;
   std::vector<std::exception_ptr> problems((count + chunk - 1) / chunk);  // of each chunk
   std::atomic<std::size_t> next = 0;
   const auto take = [&work, &problems, &next, count, chunk] {

@@ -261,7 +261,8 @@ std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky
   std::vector<ObservedColumn> sigmas;
   for (const ObservedColumn& column : observe_partials(moving, sky, receptions, options, states_by)) {
     if (!depends_on_attitude(column)) continue;
-    ObservedColumn& sigma = sigmas.emplace_back("sigma_" + column.name, std::vector<double>());
+    sigmas.push_back({"sigma_" + column.name, {}});
+    ObservedColumn& sigma = sigmas.back();
     for (std::size_t i = 0; i < receptions.size(); ++i) {
       const Eigen::Map<const Eigen::Matrix<double, 12, 1>> by(&column.values[i * width]);
       sigma.values.push_back(root_of(by.dot(covariance * by)));

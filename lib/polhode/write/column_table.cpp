@@ -94,7 +94,7 @@ ColumnTable with_names_of_their_own(ColumnTable table, const std::string& date, 
     std::string& name = table.kept[i].name;
     if (fits) name = fits_name(name);
     if (name.empty()) name = fmt::format("column_{}", i + 1);
-    if (ours.contains(lower_case(name)) || lower_case(name).starts_with("date_")) name = "given_" + name;
+    if (ours.contains(lower_case(name)) || lower_case(name).starts_with("date_")) name.insert(0, "given_");
     const std::string first_name = name;
     for (int again = 2; !taken.insert(lower_case(name)).second; ++again) name = fmt::format("{}_{}", first_name, again);
   }
@@ -160,28 +160,28 @@ void write_fits_columns(const std::string& path, const ColumnTable& table) {
 
 }  // namespace
 
-void write_column_table(const std::string& path, const ColumnTable& given) {
+void write_column_table(const std::string& path, const ColumnTable& table) {
   const bool ecsv = lower_case(path).ends_with(".ecsv"), fits = is_fits_path(path);
-  if ((ecsv || fits) && (given.scale == TimeScale::et || given.scale == TimeScale::gps)) {
-    throw TimeScaleError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(given.scale)));
+  if ((ecsv || fits) && (table.scale == TimeScale::et || table.scale == TimeScale::gps)) {
+    throw TimeScaleError(fmt::format("astropy knows no time scale {}; take TDB, UTC, TAI or TT", name(table.scale)));
   }
-  const std::string scale = lower_case(name(given.scale)), date = "date_" + scale;
-  const ColumnTable table = with_names_of_their_own(given, date, fits);
+  const std::string scale = lower_case(name(table.scale)), date = "date_" + scale;
+  const ColumnTable named = with_names_of_their_own(table, date, fits);
   if (fits) {
-    write_fits_columns(path, table);
+    write_fits_columns(path, named);
     return;
   }
   OutputBytes file(path);
-  std::string text = ecsv ? header_of(table, date, scale) : std::string();
+  std::string text = ecsv ? header_of(named, date, scale) : std::string();
   text += date;
-  for (const auto& column : table.numbers) text += "," + column.name;
-  for (const auto& column : table.kept) text += "," + kept_cell(column.name);
+  for (const auto& column : named.numbers) text += "," + column.name;
+  for (const auto& column : named.kept) text += "," + kept_cell(column.name);
   text += '\n';
   constexpr std::size_t enough = std::size_t{1} << 20U;
-  for (std::size_t row = 0; row < table.dates.size(); ++row) {
-    text += table.dates[row];
-    for (const auto& column : table.numbers) append_number(text, ',', column.values[row]);
-    for (const auto& column : table.kept) text.append(",").append(kept_cell(column.cells[row]));
+  for (std::size_t row = 0; row < named.dates.size(); ++row) {
+    text += named.dates[row];
+    for (const auto& column : named.numbers) append_number(text, ',', column.values[row]);
+    for (const auto& column : named.kept) text.append(",").append(kept_cell(column.cells[row]));
     text += '\n';
     if (text.size() < enough) continue;
     file.write(text);
