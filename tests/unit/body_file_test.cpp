@@ -219,9 +219,10 @@ TEST(BodyFile, NamesMayHoldEveryCharacter) {
 
 TEST(BodyFile, CharactersOutOfPlaceAreRefused) {
   for (const std::string text :
-       {"[\x01]", "x = 0.0\u01F0", "x = [1, -0.0\u00E9]", "x = 1\u3042", "x = 1\u2C7F", "\uFDFA=1", "[\uFB26]",
-        "name=\uFEFE'a'", "name='a'\uFB26", "name='''a'''\uFB26", "name=\"\"\"a\"\"\"\"\"\uFB26",
-        "name=\"\"\"\\\uFE0F\"\"\"", "name=\"\"\"\\ \t\n \uFE0F\"\"\"", "name=\"\\\"\" \uFB26"}) {
+       {"[\x01]", "x = 1.(\"\"\"\u0329\"\"\"", "x = 0.0\u01F0", "x = [1, -0.0\u00E9]", "x = 1\u3042", "x = 1\u2C7F",
+        "\uFDFA=1", "[\uFB26]", "name=\uFEFE'a'", "name='a'\uFB26", "name='''a'''\uFB26",
+        "name=\"\"\"a\"\"\"\"\"\uFB26", "name=\"\"\"\\\uFE0F\"\"\"", "name=\"\"\"\\ \t\n \uFE0F\"\"\"",
+        "name=\"\\\"\" \uFB26"}) {
     try {
       parse("# \uFDFA '''\n" + text);
       ADD_FAILURE() << text << ": accepted";

@@ -46,9 +46,9 @@ Body differentiated(const Body& body) {
 constexpr double kRounding_rad = 1e-12;  // displaced by less, motions show their rounding
 
 /// The body's motion, and those that are displaced by a sigma of each part of the uncertainty.
-class DisplacedMotions {
+class OneSigmaMotions {
  public:
-  explicit DisplacedMotions(const Body& body) : centre_(body) {
+  explicit OneSigmaMotions(const Body& body) : centre_(body) {
     const Uncertainty& uncertainty = *body.uncertainty;
     const Eigen::MatrixXd root = uncertainty.root();
     const auto parts = static_cast<std::size_t>(root.cols());
@@ -187,7 +187,7 @@ void batch_threads(const AttitudeCovariance& covariance, const TimeArrays& times
 
 double linear_until_s(const Body& body, const AttitudeCovariance& covariance, double farthest_s) {
   constexpr double most_change = 0.05;
-  const DisplacedMotions displaced(body);
+  const OneSigmaMotions displaced(body);
   const auto holds = [&](double t_s) {
     return covariance.sigma_rad(t_s) < kLinearSigma_rad && displaced.change_of_sigma(covariance, t_s) < most_change;
   };

@@ -189,13 +189,11 @@ class Nesting {
       open_.push_back(around_);
       around_ += dots_ + 1;
       dots_ = 0;
-    } else if (c == ']' || c == '}') {
-      if (!open_.empty()) {
+    } else if (c == ']' || c == '}' || c == ',' || c == '\n') {
+      if ((c == ']' || c == '}') && !open_.empty()) {
         around_ = open_.back();
         open_.pop_back();
       }
-      dots_ = 0;
-    } else if (c == ',' || c == '\n') {
       dots_ = 0;
     } else if (c == '.') {
       ++dots_;
@@ -211,7 +209,7 @@ class Nesting {
 
 /// Refuses what toml++ does not survive: those characters where it would look for white space (outside strings and
 /// comments, and in strings after a backslash), and depths at which its functions, which call themselves once a level,
-/// overflow the stack. Follows the strings of valid TOML; behind an error that toml++ will report, it may refuse more.
+/// overflow the stack. Follows the strings of valid TOML; behind an error that toml++ reports, it may refuse more.
 void refuse_what_breaks_the_parser(std::string_view text, const std::string& path) {
   constexpr std::size_t most_levels = 100;
   const auto place = [&](std::size_t i) {
@@ -220,9 +218,9 @@ void refuse_what_breaks_the_parser(std::string_view text, const std::string& pat
   };
   const auto check = [&](std::size_t i) {
     if (!is_never_expected(text.substr(i))) return;
-    throw InputError(place(i),
-                     "not valid TOML: found a character that is allowed in comments and in quotes, but not after a "
-                     "backslash");
+    throw InputError(
+        place(i),
+        "not valid TOML: found a character that is allowed in comments and in quotes, but not after a backslash");
   };
   Nesting nesting;
   std::string_view quotes;  // that began the string at i
@@ -237,8 +235,9 @@ void refuse_what_breaks_the_parser(std::string_view text, const std::string& pat
       if (nesting.after(rest[0]) > most_levels) {
         throw InputError(place(i), fmt::format("tables or lists are nested more than {} levels deep", most_levels));
       }
+      const bool may_begin = i == 0 || std::string_view(" \t\r\n=,[{.").find(text[i - 1]) != std::string_view::npos;
       for (const std::string_view some : {"'", "\"", "'''", "\"\"\""}) {
-        if (rest.starts_with(some)) quotes = some;
+        if (may_begin && rest.starts_with(some)) quotes = some;  // elsewhere toml++ goes on with what stands before
       }
       i += std::max<std::size_t>(quotes.size(), 1);
     } else if (rest.starts_with(quotes)) {
