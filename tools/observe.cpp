@@ -126,14 +126,8 @@ Photometry photometry_of(const ObserveOptions& options) {
     });
   }
   out.shape = in_option("--shape", [&] { return named_shape(options.shape, options.shape_unit, surfaces); });
-  out.law = in_option("--law", [&] { return scattering_law(options.law, options.lambert_weight); });
-  if (!(options.specular >= 0.0 && options.specular <= 1.0)) {
-    throw OptionError(fmt::format("--specular is {}; a part from 0 to 1 is wanted", options.specular));
-  }
-  if (options.specular != 0.0 && (out.law.lambert == 0.0 || options.shape_unit.empty())) {
-    throw OptionError("--specular is for meshes by a law with Lambert's part: --law lambert");
-  }
-  out.law.specular = options.specular;
+  out.law = in_option("--law, --specular",
+                      [&] { return scattering_law(options.law, options.lambert_weight, options.specular); });
   out.absolute_magnitude = options.absolute_magnitude;
   if (!options.hg1g2.empty() && !options.phase_polynomial.empty()) {
     throw OptionError("--hg1g2 and --phase-polynomial are both phase functions: one of them");
@@ -297,13 +291,11 @@ void observe_body(const ObserveOptions& options) {
   const auto [first, last] = std::minmax_element(rows.instants.begin(), rows.instants.end());
   const double farthest_s = std::max(std::abs((*first - epoch).high), std::abs((*last - epoch).high));
   const bool torques_are_uncertain = moving.uncertainty != body.uncertainty;
-  if (const auto caution =
-          scene_worth_text(body, torques_are_uncertain && (!options.covariance || body.uncertainty), farthest_s)) {
+  if (const auto caution = scene_worth_text(body, torques_are_uncertain, farthest_s, options.covariance)) {
     say("caution: " + *caution);
   }
-  if (options.covariance && scene == nullptr) {
-    const auto linear = covariance_rows(moving, (*first - epoch).high, (*last - epoch).high).caution;
-    if (linear) say("caution: " + *linear);
+  if (options.covariance) {
+    if (const auto caution = sigmas_caution(moving, rows.instants)) say("caution: " + *caution);
   }
 }
 

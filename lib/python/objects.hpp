@@ -56,11 +56,11 @@ struct MotionObject : std::enable_shared_from_this<MotionObject> {
   };
   std::optional<NamedAxes> named;
 
-  struct TorquedPartialsOnce {
+  struct StatePartialsOnce {
     std::once_flag made;
-    std::shared_ptr<const TorquedPartials> partials;
+    StatePartialsSource partials;
   };
-  std::shared_ptr<TorquedPartialsOnce> torqued_partials = std::make_shared<TorquedPartialsOnce>();
+  std::shared_ptr<StatePartialsOnce> state_partials = std::make_shared<StatePartialsOnce>();
 
   std::optional<Instant> epoch() const { return moving ? std::optional(moving->body.state->epoch) : std::nullopt; }
 };

@@ -44,11 +44,8 @@ std::shared_ptr<const polhode::Shape> shape_of(const nb::object& what, const std
                                                const nb::object& given) {
   std::map<std::string, SurfaceShine, std::less<>> surfaces;
   if (!given.is_none()) {
-    for (const auto& [name, parts] : nb::cast<std::map<std::string, std::vector<double>>>(given)) {
-      const bool whole = parts.size() == 2 || (parts.size() == 3 && (parts[2] == 1.0 || parts[2] == 2.0));
-      if (!whole)
-        throw InputError(fmt::format("surface '{:.40}': (diffuse, specular) or these and 1 or 2 sides", name));
-      surfaces[name] = {parts[0], parts[1], parts.size() == 3 && parts[2] == 2.0};
+    for (const auto& [name, numbers] : nb::cast<std::map<std::string, std::vector<double>>>(given)) {
+      surfaces[name] = surface_shine(numbers);
     }
   }
   if (nb::isinstance<TriangleMesh>(what)) {
@@ -109,9 +106,7 @@ Asked asked(const MotionObject& motion, const nb::object& times, const ObserveAr
   if (!arguments.shape.is_none()) {
     Photometry photometry;
     photometry.shape = shape_of(arguments.shape, arguments.shape_unit, arguments.surfaces);
-    photometry.law = scattering_law(arguments.law, arguments.lambert_weight);
-    if (!(arguments.specular >= 0.0 && arguments.specular <= 1.0)) throw InputError("specular is a part from 0 to 1");
-    photometry.law.specular = arguments.specular;
+    photometry.law = scattering_law(arguments.law, arguments.lambert_weight, arguments.specular);
     photometry.absolute_magnitude = arguments.absolute_magnitude;
     if (arguments.hg1g2 && arguments.phase_polynomial) {
       throw InputError("hg1g2 and phase_polynomial are both phase functions: one of them");
@@ -171,7 +166,7 @@ nb::tuple partials_seen(const Asked& asked) {
   std::vector<std::string> parameters;
   {
     const nb::gil_scoped_release others_go_on;
-    const StatePartialsSource states_by = state_partials_of(asked.moving);
+    const StatePartialsSource states_by = state_partials_of(*asked.moving.motion, asked.moving.free);
     parameters = observed_parameters(states_by, asked.options);
     columns = observe_partials(asked.moving, asked.sky, asked.receptions, asked.options, states_by);
   }
@@ -265,7 +260,7 @@ void bind_observe(nb::class_<MotionObject>& motion) {
       "of each column an array (..., parameters) in its unit per theirs. The parameters are those of partials(), "
       "then 'axes_x', 'axes_y', 'axes_z', a turn of the principal axes in the body (rad), whose motion stays, and, "
       "with a shape, 'scale', the relative change of its lengths. Differences across 2e-3 rad at most by the "
-      "state at emission, exact by the parameters.",
+      "state at emission, exact by the parameters; nan where a column has no derivative, at rest or at a pole.",
       &partials_seen);
 }
 

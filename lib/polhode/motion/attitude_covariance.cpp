@@ -222,7 +222,7 @@ std::optional<std::string> linear_caution(const std::function<double(double fart
   }
   if (where.empty()) return std::nullopt;
   return fmt::format(
-      "SIGMA and COV are the first order only, which holds up to {}; beyond, the uncertainty is larger than it can "
+      "the uncertainties given are the first order only, which holds up to {}; beyond, they are larger than it can "
       "describe: draw clones with `polhode sample`",
       where);
 }

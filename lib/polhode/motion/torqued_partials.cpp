@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include "polhode/base/error.hpp"
+#include "polhode/motion/kicked_motion.hpp"
+#include "polhode/motion/partials.hpp"
 
 namespace polhode {
 
@@ -11,9 +13,16 @@ std::unique_ptr<const PropagatedMotion::Partials> PropagatedMotion::partials(
   throw InputError("this motion has no partial derivatives");
 }
 
+namespace {
+
+const std::vector<std::string> kColumnsOfBody{"theta0_x", "theta0_y", "theta0_z", "m0_x", "m0_y",
+                                              "m0_z",     "I1",       "I2",       "I3"};
+
+}  // namespace
+
 TorquedPartials::TorquedPartials(const TorquedMotion& motion, std::vector<TorqueParameter> parameters)
     : named_from_principal_(motion.body().named_from_principal),
-      columns_{"theta0_x", "theta0_y", "theta0_z", "m0_x", "m0_y", "m0_z", "I1", "I2", "I3"},
+      columns_(kColumnsOfBody),
       engine_(motion.engine_),
       partials_(engine_->partials(motion.body(), motion.torques(), parameters)) {
   for (TorqueParameter& one : parameters) columns_.push_back(std::move(one.name));
@@ -44,6 +53,30 @@ void TorquedPartials::batch(const TimeArrays& times, std::span<double> matrices)
       }
     }
   }
+}
+
+StatePartialsSource state_partials_of(const Motion& motion, const FreeBody& body) {
+  if (dynamic_cast<const KickedMotion*>(&motion) != nullptr) {
+    throw InputError(
+        "this motion was computed by few kicks, which have no partial derivatives: one planned in full has them");
+  }
+  if (const auto* const torqued = dynamic_cast<const TorquedMotion*>(&motion)) {
+    const auto partials = std::make_shared<const TorquedPartials>(*torqued);
+    return {partials->columns(),
+            [partials](const TimeArrays& times, std::span<double> matrices) { partials->batch(times, matrices); }};
+  }
+  const auto partials = std::make_shared<const FreePartials>(body);
+  return {kColumnsOfBody, [partials, body](const TimeArrays& times, std::span<double> matrices) {
+            const std::size_t count = times.high.size();
+            std::vector<double> q(4 * count), m(3 * count);
+            partials->batch(times, StateArrays::of_structures(q.data(), m.data()), matrices);
+            if (body.named_from_principal.isIdentity(0.0)) return;
+            constexpr std::size_t size = PartialsMatrix::SizeAtCompileTime;
+            for (std::size_t i = 0; i < count; ++i) {
+              Eigen::Map<PartialsMatrix> matrix(&matrices[size * i]);
+              matrix = named_partials(body, matrix);
+            }
+          }};
 }
 
 }  // namespace polhode

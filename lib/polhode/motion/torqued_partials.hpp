@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -36,5 +37,16 @@ class TorquedPartials {
   std::shared_ptr<const PropagatedMotion> engine_;
   std::shared_ptr<const PropagatedMotion::Partials> partials_;
 };
+
+/// Partial derivatives of the states of any motion.
+struct StatePartialsSource {
+  std::vector<std::string> parameters;  ///< "theta0_x" ..., as TorquedPartials::columns()
+  /// d(theta, m)/d(parameters) at these times: 6 rows for each, in the named axes. Several threads may call it.
+  std::function<void(const TimeArrays& times, std::span<double> matrices)> batch;
+};
+
+/// Of this motion of the body: those of TorquedPartials if it is a TorquedMotion, else those of free motion
+/// (FreePartials). Throws InputError for a motion by few kicks, which has none.
+StatePartialsSource state_partials_of(const Motion& motion, const FreeBody& body);
 
 }  // namespace polhode

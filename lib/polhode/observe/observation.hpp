@@ -11,6 +11,7 @@
 #include "polhode/body/spin_solution.hpp"
 #include "polhode/frames/frame.hpp"
 #include "polhode/motion/motion.hpp"
+#include "polhode/motion/torqued_partials.hpp"
 #include "polhode/observe/scattering.hpp"
 #include "polhode/observe/shape.hpp"
 #include "polhode/observe/sight.hpp"
@@ -63,13 +64,6 @@ std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const 
 
 /// The names of the columns that observe() gives, in order.
 std::vector<std::string> observed_columns(const ObservationOptions& options);
-
-/// Partial derivatives of the motion's states.
-struct StatePartialsSource {
-  std::vector<std::string> parameters;  ///< "theta0_x" ..., as TorquedPartials::columns()
-  /// d(theta, m)/d(parameters) at these times: 6 rows for each, in the named axes. Called on several threads.
-  std::function<void(const TimeArrays& times, std::span<double> matrices)> batch;
-};
 
 /// The parameters of observe_partials(), in order: those of the states; "axes_x", "axes_y", "axes_z", a small turn of
 /// the principal axes in the named ones, whose motion stays as it is (rad, named axes); with photometry "scale", the

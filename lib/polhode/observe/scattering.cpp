@@ -17,16 +17,19 @@ std::string_view names_of_scattering_laws() {
   return "projected-area, lambert, lommel-seeliger, lommel-seeliger-lambert";
 }
 
-ScatteringLaw scattering_law(std::string_view name, double lambert_weight) {
-  if (name == "projected-area") return {};
-  if (name == "lambert") return {0.0, 1.0, 0.0};
-  if (name == "lommel-seeliger") return {1.0, 0.0, 0.0};
+ScatteringLaw scattering_law(std::string_view name, double lambert_weight, double specular) {
+  if (!(specular >= 0.0 && specular <= 1.0)) {
+    throw InputError(fmt::format("the specular part is {}; a part from 0 to 1 is wanted", specular));
+  }
+  if (name == "projected-area") return {0.0, 0.0, specular};
+  if (name == "lambert") return {0.0, 1.0, specular};
+  if (name == "lommel-seeliger") return {1.0, 0.0, specular};
   if (name == "lommel-seeliger-lambert") {
     if (!(lambert_weight > 0.0 && lambert_weight <= 1e6)) {
       throw InputError(
           fmt::format("the weight of Lambert's law is {}; a positive number up to 1e6 is wanted", lambert_weight));
     }
-    return {1.0, lambert_weight, 0.0};
+    return {1.0, lambert_weight, specular};
   }
   throw InputError(fmt::format("'{:.40}' is no scattering law; allowed: {}", name, names_of_scattering_laws()));
 }

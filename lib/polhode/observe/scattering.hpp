@@ -21,8 +21,8 @@ inline constexpr double kSunRadius_rad = 4.6524e-3;
 
 /// "projected-area", "lambert", "lommel-seeliger", or "lommel-seeliger-lambert": Lommel-Seeliger's law and
 /// `lambert_weight` of Lambert's (Kaasalainen, Torppa & Muinonen 2001, Icarus 153, 37: 0.1). Throws InputError with
-/// what is allowed, and for a weight that is not above 0 and at most 1e6.
-ScatteringLaw scattering_law(std::string_view name, double lambert_weight = 0.1);
+/// what is allowed, for a weight that is not above 0 and at most 1e6, and for a `specular` outside 0 to 1.
+ScatteringLaw scattering_law(std::string_view name, double lambert_weight = 0.1, double specular = 0.0);
 
 /// "projected-area, lambert, …"
 std::string_view names_of_scattering_laws();

@@ -51,8 +51,8 @@ Eigen::MatrixXd covariance_in_file(const TomlTable& root, std::span<const Publis
     if (found == numbers.end()) {
       std::vector<std::string_view> names;
       for (const PublishedNumber& number : numbers) names.emplace_back(number.name);
-      throw table.error("parameters",
-                        fmt::format("'{:.60}' is no {}; allowed are {}", name, which, fmt::join(names, ", ")));
+      throw table.error("parameters", fmt::format("'{:.60}' is no {}; allowed are {}", name, which,
+                                                  names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));
     }
     const auto i = static_cast<std::size_t>(found - numbers.begin());
     if (std::find(listed.begin(), listed.end(), i) != listed.end()) {

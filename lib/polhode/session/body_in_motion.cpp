@@ -72,9 +72,10 @@ Plan plan_of(const Scene& scene, bool full) {
                      scene.uncertain ? scene.uncertain->acts_on : std::vector<bool>{});
 }
 
-std::optional<std::string> scene_worth_text(const Body& body, bool torques_are_uncertain, double farthest_s) {
+std::optional<std::string> scene_worth_text(const Body& body, bool torques_are_uncertain, double farthest_s,
+                                            bool beside_covariance) {
   std::optional<std::string> text = worth_text(body, farthest_s);
-  if (!torques_are_uncertain) return text;
+  if (!torques_are_uncertain || (beside_covariance && !text)) return text;
   return (text ? *text + "; this is the free motion's, and the torques' own numbers are uncertain, too"
                : "the torques' numbers are uncertain") +
          ": `propagate --covariance` and `sample` say what that does to the attitude";
@@ -174,8 +175,8 @@ Ephemeris rows_of(const BodyInMotion& moving, TimeGrid times, std::optional<doub
   if (moving.under_torques) description.torque_evaluations = account.torque_evaluations;
   const Instant epoch = body.state->epoch;
   const double farthest_s = std::max(std::abs((first - epoch).high), std::abs((last - epoch).high));
-  const bool others_say_it = moving.uncertainty != body.uncertainty && (!covariance || body.uncertainty);
-  if (auto caution = scene_worth_text(body, others_say_it, farthest_s)) {
+  const bool torques_are_uncertain = moving.uncertainty != body.uncertainty;
+  if (auto caution = scene_worth_text(body, torques_are_uncertain, farthest_s, covariance)) {
     description.cautions.push_back(*std::move(caution));
   }
   if (tolerance_rad && format != nullptr) {

@@ -45,8 +45,10 @@ BodyInMotion free_motion_of(Body body, Frame frame, const Method& method);
 /// where it is less, if the span has two. 0 without uncertainties.
 double uncertain_at_end_rad(const Scene& scene);
 
-/// worth_text() of a scene's body, and what says more where the torques' own numbers are uncertain.
-std::optional<std::string> scene_worth_text(const Body& body, bool torques_are_uncertain, double farthest_s);
+/// worth_text() of a scene's body, and what says more where the torques' own numbers are uncertain: not beside a
+/// covariance that says it already, unless the body's own text could be taken for all.
+std::optional<std::string> scene_worth_text(const Body& body, bool torques_are_uncertain, double farthest_s,
+                                            bool beside_covariance = false);
 
 /// The plan of a scene; `full` keeps every effect.
 Plan plan_of(const Scene& scene, bool full);

@@ -11,9 +11,6 @@
 #include "polhode/base/error.hpp"
 #include "polhode/base/text.hpp"
 #include "polhode/base/units.hpp"
-#include "polhode/motion/partials.hpp"
-#include "polhode/motion/theta.hpp"
-#include "polhode/motion/torqued_partials.hpp"
 #include "polhode/read/mesh_file.hpp"
 #include "polhode/read/text_table.hpp"
 #include "polhode/read/units.hpp"
@@ -76,22 +73,26 @@ Site parse_site(const std::string& text, const EarthOrientation& earth) {
   return site;
 }
 
+SurfaceShine surface_shine(std::span<const double> numbers) {
+  if (numbers.size() == 2) return {numbers[0], numbers[1], false};
+  if (numbers.size() == 3 && (numbers[2] == 1.0 || numbers[2] == 2.0))
+    return {numbers[0], numbers[1], numbers[2] == 2.0};
+  throw InputError("of a surface its diffuse and its specular part are wanted, and it may have 1 or 2 sides");
+}
+
 std::pair<std::string, SurfaceShine> parse_surface(const std::string& text) {
   const std::size_t equals = text.rfind('=');
-  if (equals != std::string::npos && equals > 0) {
-    std::vector<double> numbers;
-    const std::vector<std::string> words = words_of(text.substr(equals + 1));
-    for (const std::string& word : words) {
-      if (const std::optional<double> number = parse_number(word)) numbers.push_back(*number);
-    }
-    const bool two_sided = numbers.size() == 3 && numbers[2] == 2.0;
-    if (numbers.size() == words.size() &&
-        (numbers.size() == 2 || two_sided || (numbers.size() == 3 && numbers[2] == 1.0))) {
-      return {text.substr(0, equals), {numbers[0], numbers[1], two_sided}};
-    }
+  std::vector<double> numbers;
+  bool whole = equals != std::string::npos && equals > 0;
+  for (const std::string& word : words_of(whole ? text.substr(equals + 1) : "")) {
+    const std::optional<double> number = parse_number(word);
+    whole = whole && number;
+    numbers.push_back(number.value_or(0.0));
   }
-  throw InputError(fmt::format(
-      "'{:.60}' is not NAME=DIFFUSE,SPECULAR or NAME=DIFFUSE,SPECULAR,SIDES (1 or 2), as panels=0.2,0.7,2", text));
+  if (!whole) {
+    throw InputError(fmt::format("'{:.60}' is not NAME=DIFFUSE,SPECULAR[,SIDES], as panels=0.2,0.7,2", text));
+  }
+  return {text.substr(0, equals), surface_shine(numbers)};
 }
 
 std::shared_ptr<const Shape> named_shape(const std::string& text, const std::string& mesh_unit,
@@ -157,49 +158,29 @@ auto with_sights(const BodyInMotion& moving, const std::vector<KnownDirection>& 
   }));
 }
 
+/// The same, whichever of both is told.
+template <class Observe>
+auto seen_from(const Sky& sky, const BodyInMotion& moving, std::span<const Instant> receptions, double exposure_s,
+               const Observe& observe) {
+  return std::visit([&](const auto& known) { return with_sights(moving, known, receptions, exposure_s, observe); },
+                    sky);
+}
+
 }  // namespace
 
 std::vector<ObservedColumn> observe(const BodyInMotion& moving, const Sky& sky, std::span<const Instant> receptions,
                                     const ObservationOptions& options) {
-  const auto seen = [&](const SightOf& sight_of) {
+  return seen_from(sky, moving, receptions, options.exposure_s, [&](const SightOf& sight_of) {
     return observe(observed_motion(moving), receptions, sight_of, options);
-  };
-  return std::visit([&](const auto& known) { return with_sights(moving, known, receptions, options.exposure_s, seen); },
-                    sky);
-}
-
-StatePartialsSource state_partials_of(const BodyInMotion& moving) {
-  if (dynamic_cast<const ThetaMotion*>(moving.motion.get()) != nullptr || !moving.under_torques) {
-    const auto partials = std::make_shared<const FreePartials>(moving.free);
-    return {{"theta0_x", "theta0_y", "theta0_z", "m0_x", "m0_y", "m0_z", "I1", "I2", "I3"},
-            [partials, body = moving.free](const TimeArrays& times, std::span<double> matrices) {
-              const std::size_t count = times.high.size();
-              std::vector<double> q(4 * count), m(3 * count);
-              partials->batch(times, StateArrays::of_structures(q.data(), m.data()), matrices);
-              constexpr std::size_t size = PartialsMatrix::SizeAtCompileTime;
-              for (std::size_t i = 0; i < count; ++i) {
-                Eigen::Map<PartialsMatrix> matrix(&matrices[size * i]);
-                matrix = named_partials(body, matrix);
-              }
-            }};
-  }
-  const auto* const torqued = dynamic_cast<const TorquedMotion*>(moving.motion.get());
-  if (torqued == nullptr) {
-    throw InputError("this motion was computed by few kicks, which have no partial derivatives: --full has them");
-  }
-  const auto partials = std::make_shared<const TorquedPartials>(*torqued);
-  return {partials->columns(),
-          [partials](const TimeArrays& times, std::span<double> matrices) { partials->batch(times, matrices); }};
+  });
 }
 
 std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const Sky& sky,
                                              std::span<const Instant> receptions, const ObservationOptions& options,
                                              const StatePartialsSource& states_by) {
-  const auto seen = [&](const SightOf& sight_of) {
+  return seen_from(sky, moving, receptions, options.exposure_s, [&](const SightOf& sight_of) {
     return observe_partials(observed_motion(moving), receptions, sight_of, options, states_by);
-  };
-  return std::visit([&](const auto& known) { return with_sights(moving, known, receptions, options.exposure_s, seen); },
-                    sky);
+  });
 }
 
 namespace {
@@ -256,7 +237,7 @@ std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky
                                            std::span<const Instant> receptions, const ObservationOptions& options) {
   if (moving.under_torques) return sigmas_of_displaced(moving, sky, receptions, options);
   const auto covariance = epoch_covariance_with_axes(moving.body);
-  const StatePartialsSource states_by = state_partials_of(moving);
+  const StatePartialsSource states_by = state_partials_of(*moving.motion, moving.free);
   const std::size_t width = observed_parameters(states_by, options).size();
   std::vector<ObservedColumn> sigmas;
   for (const ObservedColumn& column : observe_partials(moving, sky, receptions, options, states_by)) {
@@ -269,6 +250,13 @@ std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky
     }
   }
   return sigmas;
+}
+
+std::optional<std::string> sigmas_caution(const BodyInMotion& moving, std::span<const Instant> receptions) {
+  if (moving.under_torques || receptions.empty()) return std::nullopt;
+  const auto [first, last] = std::minmax_element(receptions.begin(), receptions.end());
+  const Instant epoch = moving.body.state->epoch;
+  return covariance_rows(moving, (*first - epoch).high, (*last - epoch).high).caution;
 }
 
 }  // namespace polhode

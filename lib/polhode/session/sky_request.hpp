@@ -40,6 +40,9 @@ std::shared_ptr<const Shape> named_shape(const std::string& text, const std::str
                                          const std::map<std::string, SurfaceShine, std::less<>>& surfaces = {},
                                          const ContentOf& content_of = read_text_file);
 
+/// (diffuse, specular) or (diffuse, specular, sides), 1 or 2 sides. Throws InputError.
+SurfaceShine surface_shine(std::span<const double> numbers);
+
 /// "NAME=DIFFUSE,SPECULAR" or "NAME=DIFFUSE,SPECULAR,SIDES" of a surface of a mesh, parts from 0 to 1. Throws
 /// InputError.
 std::pair<std::string, SurfaceShine> parse_surface(const std::string& text);
@@ -55,10 +58,6 @@ using Sky = std::variant<SkyRequest, std::vector<KnownDirection>>;
 std::vector<ObservedColumn> observe(const BodyInMotion& moving, const Sky& sky, std::span<const Instant> receptions,
                                     const ObservationOptions& options);
 
-/// The partial derivatives of the motion's states, in closed form if it is free, else of TorquedPartials. Throws
-/// InputError of a motion by few kicks, which has none.
-StatePartialsSource state_partials_of(const BodyInMotion& moving);
-
 /// The derivatives of what is seen by the parameters of `states_by`, and by the shape's scale: see observe_partials().
 std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const Sky& sky,
                                              std::span<const Instant> receptions, const ObservationOptions& options,
@@ -69,5 +68,8 @@ std::vector<ObservedColumn> observe_partials(const BodyInMotion& moving, const S
 /// where all numbers are exact.
 std::vector<ObservedColumn> observe_sigmas(const BodyInMotion& moving, const Sky& sky,
                                            std::span<const Instant> receptions, const ObservationOptions& options);
+
+/// What to say beside them where the first order does not hold over these instants; of a scene it is not looked at.
+std::optional<std::string> sigmas_caution(const BodyInMotion& moving, std::span<const Instant> receptions);
 
 }  // namespace polhode
