@@ -136,6 +136,7 @@ Photometry photometry_of(const ObserveOptions& options) {
   if (!options.phase_polynomial.empty()) {
     out.phase = PolynomialPhase{options.phase_polynomial[0], options.phase_polynomial[1]};
   }
+  in_option("--shape", [&] { check(out); });
   return out;
 }
 

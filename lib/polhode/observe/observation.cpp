@@ -49,33 +49,31 @@ ExposureMoments moments_of(double exposure_s, double turned_rad, bool mirrors) {
   return out;
 }
 
-void check_options(const ObservationOptions& options) {
-  if (!(options.exposure_s >= 0.0 && std::isfinite(options.exposure_s))) {
-    throw InputError(fmt::format("the exposure lasts {} s; 0 or more is wanted", options.exposure_s));
+}  // namespace
+
+void check(const Photometry& photometry) {
+  constexpr double largest = 100.0;
+  const double absolute = photometry.absolute_magnitude.value_or(0.0);
+  if (!(std::abs(absolute) <= largest)) {
+    throw InputError(fmt::format("the absolute magnitude is {}; -100 to 100 are allowed", absolute));
   }
-  if (options.photometry) {
-    constexpr double largest = 100.0;
-    const double absolute = options.photometry->absolute_magnitude.value_or(0.0);
-    if (!(std::abs(absolute) <= largest)) {
-      throw InputError(fmt::format("the absolute magnitude is {}; -100 to 100 are allowed", absolute));
-    }
-    check(options.photometry->phase);
-    const ScatteringLaw& law = options.photometry->law;
-    const bool mirrors = options.photometry->shape->has_mirrors(law);
-    if (law.specular != 0.0 && !mirrors)
-      throw InputError("nothing of this shape is a mirror: meshes have a specular part");
-    if (law.lambert == 0.0 && mirrors) {
-      throw InputError("mirrors are seen beside a law with Lambert's part, as lambert; this one has none");
-    }
+  check(photometry.phase);
+  const bool mirrors = photometry.shape->has_mirrors(photometry.law);
+  if (photometry.law.specular != 0.0 && !mirrors) {
+    throw InputError("nothing of this shape is a mirror: meshes have a specular part");
+  }
+  if (photometry.law.lambert == 0.0 && mirrors) {
+    throw InputError("mirrors are seen beside a law with Lambert's part, as lambert; this one has none");
   }
 }
-
-}  // namespace
 
 Observer::Observer(const ObservedMotion& body, std::span<const Instant> receptions,
                    const std::function<Sight(std::size_t, Instant)>& sight_of, const ObservationOptions& options)
     : body_(body), receptions_(receptions), sight_of_(sight_of), options_(options) {
-  check_options(options);
+  if (!(options.exposure_s >= 0.0 && std::isfinite(options.exposure_s))) {
+    throw InputError(fmt::format("the exposure lasts {} s; 0 or more is wanted", options.exposure_s));
+  }
+  if (options.photometry) check(*options.photometry);
   const Quaternion q_icrf_from_inertial = q_icrf_from(body.frame);
   inertial_from_icrf_ = q_icrf_from_inertial.conjugate().toRotationMatrix();
   frame_ = {q_icrf_from_inertial, body.named_from_principal, options.convention, q_icrf_from(options.angles_frame)};

@@ -36,6 +36,10 @@ struct Photometry {
   std::optional<double> absolute_magnitude;
 };
 
+/// Throws InputError for an absolute magnitude beyond +-100, for what check() of a phase function refuses, for a
+/// specular part of a shape without mirrors, and for mirrors beside a law without Lambert's part.
+void check(const Photometry& photometry);
+
 struct ObservationOptions {
   AxisConvention convention = AxisConvention::long_axis;
   Frame angles_frame = Frame::ecliptic_j2000;  ///< inertial, in which phi counts: see AspectFrame
@@ -55,9 +59,9 @@ struct ObservedColumn {
 /// those within an exposure if there is one. The state is that at emission. An exposure sums the light over its span,
 /// by Gauss's quadrature with 4 points at least for each 0.2 rad that the body turns, or, where the shape has mirrors,
 /// for a quarter of the Sun's radius: a glint is good to a few hundredths. The geometry is that of its middle. Throws
-/// InputError where the motion or a trajectory does not hold an instant, for what check() of a phase function refuses,
-/// an absolute magnitude beyond +-100, and an observer within the body; ComputationError for a magnitude that is no
-/// number. A body of which nothing is both lit and seen has the magnitude +infinity.
+/// InputError where the motion or a trajectory does not hold an instant, for what check() of the photometry refuses, an
+/// exposure in which the body turns too far to be followed, and an observer within the body; ComputationError for a
+/// magnitude that is no number. A body of which nothing is both lit and seen has the magnitude +infinity.
 std::vector<ObservedColumn> observe(const ObservedMotion& body, std::span<const Instant> receptions,
                                     const std::function<Sight(std::size_t index, Instant reception)>& sight_of,
                                     const ObservationOptions& options);
